@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 from mikas.catalog.conversion import Conversion
@@ -40,6 +40,8 @@ class Catalog:
     """The derived channels by name."""
     instruments: Mapping[str, InstrumentChannel] = field(default_factory=dict)
     """The channels of instruments beside the unit, by name."""
+    beside: Mapping[str, InstrumentChannel] = field(default_factory=dict)
+    """Those that a session or a recording has, with their labels; a formula may name them."""
     faults: Mapping[int, Fault]
     """The faults by number."""
     models: Mapping[int, Model]
@@ -134,6 +136,30 @@ class Catalog:
         alike = [own for own in self.instruments if name.startswith(f"{own}_")]
         return self.instruments[max(alike, key=len)] if alike else None
 
+    def with_beside(self, channels: Iterable[InstrumentChannel]) -> Catalog:
+        """Return the same catalog for a session or a recording with these instruments' channels."""
+        return replace(self, beside={channel.name: channel for channel in channels})
+
+    @cached_property
+    def formula_channels(self) -> Mapping[str, Parameter | Derived | InstrumentChannel]:
+        """All channels that a formula may name, by name."""
+        return {**self.instruments, **self.beside, **self.channels}
+
+    def input_of(self, word: str) -> str:
+        """Return the channel that a word of a formula means; in capitals if it means none.
+
+        An instrument's own name is not taken for another name of a channel of the unit: `LAMBDA` is
+        the λ meter's, and so is `Lambda` where there is one; else that is the unit's VALF.
+        """
+        word = word.strip()
+        own = word.upper()
+        return own if own in self.beside or word in self.instruments else self.channel_of(word)
+
+    def formula_channel(self, name: str) -> Parameter | Derived | InstrumentChannel:
+        """As `channel`, and also return an instrument's."""
+        known = self.formula_channels
+        return known.get(self.input_of(name)) or self._by_code(name.strip(), known)
+
     def _by_code(self, name: str, known: Iterable[str]) -> Parameter:
         if match := _RAW_CODE.fullmatch(name):
             return self._raw(name, int(match[1], 16), match[2])
@@ -179,16 +205,39 @@ class Catalog:
         return {}
 
     def required_by(self, names: Iterable[str]) -> tuple[str, ...]:
-        """Return the parameters that these channels need, in the order of the table."""
+        """Return the parameters that these channels need, in the order of the table.
+
+        An instrument's channel needs none.
+        """
         names, bits = tuple(names), 0
         for name in names:
-            bits |= self._needs[name]
+            bits |= self._needs.get(name, 0)
         if (found := self._required.get(bits)) is None:
             digits = zip(self.parameters, reversed(f"{bits:b}"), strict=False)
             found = tuple(parameter.name for parameter, digit in digits if digit == "1")
             if len(names) == 1:  # else a client could name ever other ones
                 self._required[bits] = found
         return found
+
+    @cached_property
+    def _needs_beside(self) -> dict[str, frozenset[str]]:
+        """The instruments' channels that each derived channel needs."""
+        needs: dict[str, frozenset[str]] = {}
+        for channel in in_order(self.derived, self.derived):
+            own = (name for name in channel.inputs if name not in self.channels)
+            needs[channel.name] = frozenset(own).union(
+                *(needs[name] for name in channel.inputs if name in needs)
+            )
+        return needs
+
+    def required_beside(self, names: Iterable[str]) -> tuple[str, ...]:
+        """Return the instruments' channels that these channels are or need, in alphabetic order."""
+        found: set[str] = set()
+        for name in names:
+            found |= self._needs_beside.get(name, frozenset())
+            if name in self.formula_channels and name not in self.channels:
+                found.add(name)
+        return tuple(sorted(found))
 
     def same_channels(self, other: Catalog) -> frozenset[str]:
         """Return the channels of which both catalogs make the same values from the same bytes.
@@ -201,13 +250,14 @@ class Catalog:
             if (two := other._by_name.get(name))
             and (one.code, one.interpretations) == (two.code, two.interpretations)
         }
+        beside = self.instruments.keys() & other.instruments.keys()
         for derived in in_order(self.derived, self.derived):
             before = other.derived.get(derived.name)
             if (
                 before is not None
                 and (derived.formula, derived.constants, derived.accumulates)
                 == (before.formula, before.constants, before.accumulates)
-                and same.issuperset(derived.inputs)
+                and beside.union(same).issuperset(derived.inputs)
             ):
                 same.add(derived.name)
         return frozenset(same)

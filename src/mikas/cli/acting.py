@@ -12,15 +12,17 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
-from mikas.catalog import Catalog
+from mikas.catalog import Catalog, InstrumentChannel
 from mikas.cli.context import CommandContext
 from mikas.cli.language import decimal, localized, tr
 from mikas.cli.options.sampling import SamplingOptions
 from mikas.cli.render.terminal import ring
 from mikas.cli.sampling_run import SamplingRun
-from mikas.conditions import ConditionWatch, Fired, LoadedActions, load_actions
+from mikas.conditions import ActionRule, ConditionWatch, Fired, LoadedActions, load_actions
 from mikas.conditions.performing import ActionRunner, Hands, lacking
+from mikas.errors import UsageError, usage_error
 from mikas.i18n import Text
+from mikas.instruments.choosing import chosen_instruments
 from mikas.sampling.events import Event
 
 Follow = Callable[[Event], None]
@@ -31,13 +33,31 @@ def nothing(event: Event) -> None:
 
 
 def load(
-    context: CommandContext, file: Path, options: SamplingOptions
+    context: CommandContext, file: Path, options: SamplingOptions, instruments: Sequence[str]
 ) -> tuple[LoadedActions, SamplingOptions]:
-    """Return the actions of `file`, and options that also sample what their conditions need."""
+    """Return the actions of `file`, and options that also sample what their conditions need.
+
+    Raises `UsageError` for an action that needs an instrument which the run does not have.
+    """
     catalog = context.options.catalog
+    chosen = chosen_instruments(instruments, catalog)
+    catalog = catalog.with_beside(channel for each in chosen for channel in each.channels)
     actions = load_actions(file, catalog)
+    for rule in actions.rules:
+        for name in catalog.required_beside(rule.channels):
+            if name not in catalog.beside:
+                raise _no_instrument(rule, name)
     needed = ConditionWatch(actions.rules, catalog).requires
     return actions, replace(options, names=_with(options.names, needed, catalog))
+
+
+def _no_instrument(rule: ActionRule, name: str) -> UsageError:
+    return usage_error(
+        f"Action {rule.name}: “{rule.when}” needs {name}, which no instrument of this run gives; "
+        "add one, as in --instrument aem=/dev/ttyUSB1",
+        f"Действие {rule.name}: для «{rule.when}» нужен {name}, а прибора, который его даёт, нет; "
+        "добавьте его, например --instrument aem=/dev/ttyUSB1",
+    )
 
 
 def _with(names: Sequence[str], needed: tuple[str, ...], catalog: Catalog) -> tuple[str, ...]:
@@ -82,9 +102,11 @@ def acting(
                 f"Действие {name}: эта команда не выполняет {key}.",
             )
         )
-    watch = ConditionWatch(actions.rules, context.options.catalog)
+    beside = (each for each in run.channels if isinstance(each, InstrumentChannel))
+    catalog = context.options.catalog.with_beside(beside)
+    watch = ConditionWatch(actions.rules, catalog)
     failed = partial(_say, show)
-    with ActionRunner(actions, context.options.catalog, hands, failed, lambda: run.later) as runner:
+    with ActionRunner(actions, catalog, hands, failed, lambda: run.later) as runner:
 
         def follow(event: Event) -> None:
             for fired in watch.follow(event):

@@ -8,6 +8,9 @@ A value counts until the next one of its channel: for two seconds, or two and a 
 channel's usual steps where these are longer, at most a minute. So a condition never holds by
 values from both sides of a gap, and a channel that is read in every tenth cycle still counts.
 A condition that has no value does not hold, and releases nothing.
+
+A value of an instrument beside the unit counts at the unit's samples, and only as long as the
+instrument's definition says: a sample without it has none.
 """
 
 from __future__ import annotations
@@ -99,24 +102,26 @@ class _RuleState:
 class ConditionWatch:
     """Follows samples with the rules; one thread may call.
 
-    `requires`: the parameters that have to be sampled. Raises `UnknownParameter` for a rule of
-    another catalog.
+    `requires`: the parameters that have to be sampled; `beside`: the instruments' channels that are
+    needed besides. Raises `UnknownParameter` for a rule of another catalog.
     """
 
     def __init__(self, rules: Iterable[ActionRule], catalog: Catalog) -> None:
         self.rules: tuple[ActionRule, ...] = tuple(rules)
         names = tuple(dict.fromkeys(name for rule in self.rules for name in rule.channels))
         for name in names:
-            catalog.channel(name)
+            catalog.formula_channel(name)
         self.requires: tuple[str, ...] = catalog.required_by(names)
+        self.beside: tuple[str, ...] = catalog.required_beside(names)
         derived = in_order(catalog.derived, (name for name in names if name in catalog.derived))
         self._derived = [(each.name, each.calculation()) for each in derived]
         self._formulas = [
             (rule, Calculation(rule.condition), Calculation(rule.release) if rule.release else None)
             for rule in self.rules
         ]
-        self._wanted = frozenset(self.requires)
-        self._needs = [catalog.required_by(rule.condition.inputs) for rule in self.rules]
+        self._wanted = frozenset((*self.requires, *self.beside))
+        needs = (rule.condition.inputs for rule in self.rules)
+        self._needs = [(*catalog.required_by(it), *catalog.required_beside(it)) for it in needs]
         self._latest: dict[str, _Latest] = {}
         self._states = [_RuleState() for _ in self.rules]
         self._time = -inf
@@ -126,6 +131,8 @@ class ConditionWatch:
         if isinstance(event, Sampled):
             fresh = event.fresh
             values = {name: _corrected(fresh[name]) for name in self.requires if name in fresh}
+            near = event.instruments
+            values |= {name: near[name].value for name in self.beside if name in near}
             return self.add(event.time, values)
         if isinstance(event, Gap) or (isinstance(event, UnitFound) and event.another):
             self.interrupt()
@@ -138,7 +145,7 @@ class ConditionWatch:
             state.interrupt()
 
     def add(self, time: float, values: Mapping[str, float]) -> tuple[Fired, ...]:
-        """Take the parameters' values of one moment; return the rules that act then.
+        """Take the values of one moment; return the rules that act then.
 
         A time before the last one is a clock that was set: all before is forgotten.
         """
@@ -146,6 +153,9 @@ class ConditionWatch:
             self.interrupt()
         self._time = time
         spans = [self._span(names) for names in self._needs]  # before this step
+        for name in self.beside:
+            if not isfinite(values.get(name, nan)):
+                self._latest.pop(name, None)
         for name, value in values.items():
             if name not in self._wanted or not isfinite(value):
                 continue

@@ -119,13 +119,13 @@ class _Builder:
     def _formula(self, path: KeyPath, text: str) -> Parsed:
         """Return the formula of channels at `path`; a sum over time is none of the moment."""
         try:
-            parsed = parse(text, {}, self._catalog.channel_of)
+            parsed = parse(text, {}, self._catalog.input_of)
             for name in parsed.inputs:
-                self._catalog.channel(name)
+                self._catalog.formula_channel(name)
         except UnknownParameter as error:
             unknown = error.fields.get("name", "")
             raise self._source.wrong(
-                path, does_not_exist(str(unknown), self._catalog.channels)
+                path, does_not_exist(str(unknown), self._catalog.formula_channels)
             ) from None
         except UsageError as error:
             raise self._source.wrong(path, error.reason) from None

@@ -98,7 +98,7 @@ class ActionRunner:
     def filled(self, text: Text, fired: Fired) -> Text:
         """Return a text with the values of its channels, with their units; a dash for none."""
         shown = {
-            name: quantity(fired.values[name], self._catalog.channel(name))
+            name: quantity(fired.values[name], self._catalog.formula_channel(name))
             if name in fired.values
             else _NONE
             for name in fired.rule.condition.inputs

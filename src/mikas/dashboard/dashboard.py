@@ -142,14 +142,14 @@ class Dashboard:
             settings.sockets,
             self.connection,
             self.recorder,
-            lambda: self.catalog,
+            lambda: self.formula_catalog,
             settings.language,
         )
         self.instruments: InstrumentsBeside = InstrumentsBeside(
             lambda: self.settings,
             self.connection,
             self.recorder.recorder,
-            self.monitor.set_beside,
+            self._use_beside,
         )
         self.connection.taken = self.instruments.ports
         self.surveys: Surveys = Surveys(self.connection, lambda: self.settings)
@@ -162,8 +162,8 @@ class Dashboard:
     async def running(self) -> AsyncIterator[None]:
         """Run as long as the application; at its end the recording and the port are closed."""
         await asyncio.to_thread(self.dump_jobs.find)
-        await asyncio.to_thread(self.actions.load)
         await asyncio.to_thread(self.instruments.load)
+        await asyncio.to_thread(self.actions.load)  # whose formulas may name instruments
         self.actions.start()
         self.connection.start()
         async with AsyncExitStack() as closing:  # from the last on, each whatever another raises
@@ -211,6 +211,16 @@ class Dashboard:
     def catalog(self) -> Catalog:
         """The catalog in use."""
         return self.catalogs.catalog
+
+    @property
+    def formula_catalog(self) -> Catalog:
+        """The catalog in use with the channels of the instruments, for formulas of a person."""
+        return self.catalog.with_beside(self.instruments.channels)
+
+    def _use_beside(self, names: tuple[str, ...]) -> None:
+        """Take the channels of other instruments."""
+        self.monitor.set_beside(names)
+        self.actions.instruments_changed()
 
     def _use_catalog(self, catalog: Catalog, before: Catalog) -> None:
         """Use another catalog on the running connection, for recordings and for what follows."""

@@ -16,7 +16,6 @@ import threading
 from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import CancelledError, Future
 from contextlib import closing, suppress
-from dataclasses import replace
 from math import inf
 from typing import TYPE_CHECKING, Any, Self, TypeVar
 
@@ -29,6 +28,7 @@ from mikas.live.record_failures import RecordFailures
 from mikas.options import check_number
 from mikas.recording.recorder import Recorder, RecordingStatus
 from mikas.sampling.acquisition import Acquisition
+from mikas.sampling.beside import SamplesBeside
 from mikas.sampling.events import ClockChanged, CycleFailed, Event, FaultReading, Gap, Sampled
 from mikas.sampling.instrument_changes import InstrumentChanged
 from mikas.sampling.session import SamplingSession
@@ -348,14 +348,23 @@ class Session(Iterator[Sampled]):
                 self.recording_over = error
 
     def _with_instruments(self, events: Iterator[Event]) -> Iterator[Event]:
-        """Yield the events, the samples with the values of the instruments; and their changes."""
+        """Yield the events, the samples with what the instruments give; and their changes."""
         beside = self.instruments
+        if beside is None:
+            yield from events
+            return
+        samples = SamplesBeside(beside.channels)
         for event in events:
-            if beside is not None:
-                yield from map(InstrumentChanged.of, beside.follow())
-                if isinstance(event, Sampled):
-                    event = replace(event, instruments=beside.fresh(event.time))  # noqa: PLW2901  (it goes on)
-            yield event
+            yield from map(InstrumentChanged.of, beside.follow())
+            if not isinstance(event, Sampled):
+                yield event
+                continue
+            values = beside.fresh(event.time)
+            made = samples.completed(event, values, self.acquisition.selection)
+            yield made
+            for alarm in samples.alarms(made):
+                self.recorder.record_event(alarm)
+                yield alarm
 
     def _last_faults(self, events: Iterator[Event]) -> Iterator[Event]:
         """Read the faults before the run ends, for a second of events at most."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from datetime import datetime
 from math import ceil, floor, isfinite
 
-from mikas.catalog import Confidence, Derived, Parameter
+from mikas.catalog import Confidence, Derived, InstrumentChannel, Parameter
 from mikas.i18n import Language, Text, unit_after
 from mikas.recording.table.channels import calendar
 
@@ -31,7 +31,7 @@ def digits(value: float, decimals: int) -> Text:
     return Text(number(value, decimals, "en"), number(value, decimals, "ru"))
 
 
-def quantity(value: float, channel: Parameter | Derived) -> Text:
+def quantity(value: float, channel: Parameter | Derived | InstrumentChannel) -> Text:
     """Return the number with the channel's decimals and unit, in both languages."""
     return joined_unit(digits(value, channel.decimals), channel.unit_text)
 

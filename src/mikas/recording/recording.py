@@ -107,7 +107,7 @@ class Recording:
         self.absent: tuple[str, ...] = tuple(
             each.name
             for each in self.channels
-            if each.name not in beside and not is_recorded(each.name, catalog, recorded)
+            if not is_recorded(each.name, catalog, {**recorded, **beside})
         )
         """The wanted channels that the file lacks."""
         self._begins: dict[int, float] = {}  # of sessions, by number: the time of the first row
@@ -213,6 +213,11 @@ class Recording:
             yield rows
 
     @property
+    def formula_catalog(self) -> Catalog:
+        """The catalog with the channels of the file's instruments, for formulas of a person."""
+        return self.catalog.with_beside(self._instruments.described)
+
+    @property
     def instrument_channels(self) -> tuple[str, ...]:
         """The channels of all instruments of the file, also those that are no columns here."""
         return tuple(self._instruments.channels)
@@ -272,12 +277,14 @@ class Recording:
         derivers: dict[Source, Deriver] = {}
         for stretch in zip(*found, strict=True):
             (source, rows), (_, corrected) = stretch[0], stretch[-1]
-            derived = {}
+            derived, inputs = {}, set(self.catalog.required_beside(self._derived))
+            beside = self._instruments.values(source.recording, rows.times, wanted | inputs)
             if self._derived:
                 if source not in derivers:
                     derivers[source] = Deriver(self.catalog, self._derived)
-                derived = derivers[source].columns(corrected)
-            beside = self._instruments.values(source.recording, rows.times, wanted)
+                derived = derivers[source].columns(
+                    corrected, {name: beside[name] for name in inputs if name in beside}
+                )
             yield source, self._chosen(Rows(rows.times, {**rows.values, **derived, **beside}))
 
     def interpreted(

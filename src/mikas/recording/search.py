@@ -62,12 +62,12 @@ class SearchResult:
 
 
 class SearchCondition:
-    """A condition on the channels of `catalog`. `inputs`: the channels that it names.
+    """A condition on the channels of `catalog`, also of instruments.
 
-    `requires`: the parameters that these need. `peak_of`: the formula that its first comparison
-    compares with something, of which a hit has the extreme: the lowest value of a `<`
-    (`is_lowest`), else the highest; empty without a comparison. `cost`: operations for each row,
-    with those of the derived channels.
+    `inputs`: the channels that it names. `requires`: the parameters that these need; `beside`: the
+    instruments' channels. `peak_of`: the formula that its first comparison compares with something,
+    of which a hit has the extreme: the lowest value of a `<` (`is_lowest`), else the highest; empty
+    without a comparison. `cost`: operations for each row, with those of the derived channels.
 
     Raises `UsageError` for a formula that is none, `UnknownParameter` with the nearest names.
     """
@@ -75,12 +75,14 @@ class SearchCondition:
     def __init__(self, catalog: Catalog, expression: str) -> None:
         self.expression: str = " ".join(expression.split())
         try:
-            parsed = parse(self.expression, {}, catalog.channel_of)
+            parsed = parse(self.expression, {}, catalog.input_of)
         except UsageError as error:
             raise usage_error(
                 f"The condition {error.reason.en}", f"Условие: {error.reason.ru}"
             ) from error
-        self.inputs: tuple[str, ...] = tuple(catalog.channel(name).name for name in parsed.inputs)
+        self.inputs: tuple[str, ...] = tuple(
+            catalog.formula_channel(name).name for name in parsed.inputs
+        )
         peak_of, is_lowest = _first_comparison(parsed.text)
         self.peak_of: str = peak_of
         self.is_lowest: bool = is_lowest
@@ -91,6 +93,7 @@ class SearchCondition:
         self.catalog: Catalog = replace(catalog, derived={**catalog.derived, **derived})
         self.names: tuple[str, ...] = tuple(derived)
         self.requires: tuple[str, ...] = self.catalog.required_by(self.names)
+        self.beside: tuple[str, ...] = self.catalog.required_beside(self.names)
         steps = in_order(self.catalog.derived, self.names)
         self.cost: int = sum(each.calculation().cost for each in steps)
 
@@ -124,7 +127,7 @@ def search(recording: Recording, condition: SearchCondition) -> SearchResult:
     catalog = condition.catalog
     recording = recording.interpreted("corrected", condition.names, catalog=catalog)
     if _CONDITION in recording.absent:
-        names = ", ".join(recording.interpreted("corrected", condition.inputs).absent)
+        names = ", ".join(_absent(recording, condition))
         raise usage_error(
             f"{names}: not in this recording, so the condition has no value anywhere",
             f"{names}: в этой записи нет, поэтому у условия нигде нет значения",
@@ -133,14 +136,25 @@ def search(recording: Recording, condition: SearchCondition) -> SearchResult:
     return replace(found, damaged=recording.problem_count)
 
 
+def _absent(recording: Recording, condition: SearchCondition) -> list[str]:
+    """Return the channels of the condition that are not recorded."""
+    of_unit = [name for name in condition.inputs if name in condition.catalog.channels]
+    absent = recording.interpreted("corrected", of_unit).absent if of_unit else ()
+    found = {*absent, *condition.beside} - {*recording.instrument_channels}
+    return [name for name in dict.fromkeys((*condition.inputs, *condition.beside)) if name in found]
+
+
 def search_rows(rows: Rows, condition: SearchCondition) -> SearchResult:
-    """Return the hits in rows of the parameters that the condition `requires`, corrected."""
+    """Return the hits in rows of what the condition `requires`, corrected, and has `beside`."""
     deriver = Deriver(condition.catalog, condition.names)
 
     def computed() -> Iterator[Rows]:
         for at in range(0, len(rows.times), _PIECE):
             piece = rows.part(slice(at, at + _PIECE))
-            yield Rows(piece.times, deriver.columns(piece))
+            beside = {name: it for name, it in piece.values.items() if name in condition.beside}
+            own = {name: it for name, it in piece.values.items() if name not in beside}
+            columns = deriver.columns(Rows(piece.times, own), beside)
+            yield Rows(piece.times, columns)
 
     return condition.find(computed())
 

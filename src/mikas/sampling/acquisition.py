@@ -28,7 +28,7 @@ from mikas.link.reconnecting import ReconnectingPort
 from mikas.sampling.events import Event, MethodChosen
 from mikas.sampling.jobs import JobQueue
 from mikas.sampling.line_state import LineTrigger
-from mikas.sampling.plan import Plan, Price, select
+from mikas.sampling.plan import Plan, Price, Selection, select
 from mikas.sampling.running import method_trial
 from mikas.sampling.running.context import SamplingContext, SamplingRequest
 from mikas.sampling.running.method_knowledge import CANDIDATES, FALLBACK, best_method
@@ -86,9 +86,21 @@ class Acquisition:
         return ecu
 
     def _request(self, names: Iterable[str], method: str, rate: float | None) -> SamplingRequest:
-        return SamplingRequest(select(self._catalog, names), fixed_method(method), rate)
+        selection = select(self._catalog, names)
+        if not selection.parameters:
+            listed = ", ".join(channel.name for channel in selection.channels)
+            raise errors.usage_error(
+                f"{listed}: instruments alone give it; name a parameter of the unit as well",
+                f"{listed}: это дают только приборы; назовите и какой-нибудь параметр блока",
+            )
+        return SamplingRequest(selection, fixed_method(method), rate)
 
     # Called from any thread
+
+    @property
+    def selection(self) -> Selection:
+        """The requested channels, with their parameters and the catalog that defines them."""
+        return self._context.latest.selection
 
     @property
     def channels(self) -> tuple[Parameter | Derived, ...]:

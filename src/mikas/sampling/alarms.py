@@ -64,7 +64,7 @@ class AlarmState:
 class Alarms:
     """Compares each of `channels`, or of a catalog's, that has limits with these."""
 
-    def __init__(self, channels: Catalog | Iterable[InstrumentChannel]) -> None:
+    def __init__(self, channels: Catalog | Iterable[Derived | InstrumentChannel]) -> None:
         every = channels.channels.values() if isinstance(channels, Catalog) else channels
         self.states: dict[str, AlarmState] = {
             each.name: AlarmState(each) for each in every if each.alarm_limits

@@ -50,13 +50,14 @@ def catalog_of(entries: Entries, version: str) -> Catalog:
     check_sizes(entries["parameter"])
     check_names(entries)
     known = {**entries["parameter"], **entries["derived"]}
+    beside = entries["instrument"]
     names = synonyms_of(Named(each.name, each.text, each.short) for each in parameters)
 
-    def channel_of(word: str) -> str:
-        return named(word, known, names)
+    def channel_of(word: str) -> str:  # as `Catalog.input_of`
+        return word if word in beside else named(word, known, names)
 
     derived = {
-        name: _derived(name, entry, units, known, channel_of)
+        name: _derived(name, entry, units, {**known, **beside}, channel_of)
         for name, entry in entries["derived"].items()
     }
     _check_cycles(entries["derived"], derived)

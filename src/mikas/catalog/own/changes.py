@@ -109,7 +109,7 @@ def set_channel(
 def _with_mnemonics(formula: str, constants: Mapping[str, float], known: Catalog) -> str:
     """Return the formula with the channels' own names: other names may change with a version."""
     try:
-        return parse(formula, constants, known.channel_of).text
+        return parse(formula, constants, known.input_of).text
     except FormulaError:
         return formula  # the catalog's reader says what is wrong with it
 

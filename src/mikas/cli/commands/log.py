@@ -89,7 +89,7 @@ def log(
     if actions.actions is not None:
         from mikas.cli.acting import load
 
-        loaded, options = load(context, actions.actions, options)
+        loaded, options = load(context, actions.actions, options, instruments)
     with context.open_ahead(instruments) as ahead:  # imports take as long as the handshake listens
         from mikas.cli.sampling_run import sampling_session
 

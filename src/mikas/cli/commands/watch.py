@@ -62,7 +62,7 @@ def watch(
     if actions.actions is not None:
         from mikas.cli.acting import load
 
-        loaded, options = load(context, actions.actions, options)
+        loaded, options = load(context, actions.actions, options, instruments)
     with context.open_ahead(instruments) as ahead:  # imports take as long as the handshake listens
         _watch(context, options, loaded, ahead, instruments)
 

@@ -17,6 +17,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from math import isfinite, nan
+from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar, TypeAlias
 
 from mikas.catalog import Catalog, Derived
@@ -24,6 +25,7 @@ from mikas.catalog.formulas import Calculation
 from mikas.catalog.model import in_order
 from mikas.client.parameters.readings import Reading, with_unit
 from mikas.i18n import Text
+from mikas.instruments.reading import InstrumentReading
 
 if TYPE_CHECKING:
     import numpy as np
@@ -58,8 +60,8 @@ class DerivedValue:
     """The key of the unit; empty: it has none."""
     time: float
     """The time of its inputs."""
-    inputs: Mapping[str, Reading | DerivedValue]
-    """The readings and derived values that it was computed from."""
+    inputs: Mapping[str, Reading | DerivedValue | InstrumentReading]
+    """The readings, derived values and values of instruments that it was computed from."""
     since: float | None = None
     """The begin of the sum, of an accumulating channel."""
     gaps: int = 0
@@ -92,6 +94,10 @@ class DerivedValue:
         if not self.has_value:
             return f"{self.name} no value"
         return f"{self.name} {self.value:.{self.channel.decimals}f} {self.unit}".rstrip()
+
+
+_Value: TypeAlias = Reading | DerivedValue | InstrumentReading
+_NONE: Mapping[str, InstrumentReading | DerivedValue] = MappingProxyType({})
 
 
 class DerivedChannels:
@@ -130,14 +136,19 @@ class DerivedChannels:
         readings: Mapping[str, Reading],
         time: float,
         numbers: Mapping[str, float] | None = None,
+        beside: Mapping[str, InstrumentReading | DerivedValue] = _NONE,
     ) -> dict[str, DerivedValue]:
         """Return the channels that have a value in a sample of `readings`.
 
-        `numbers`: `numbers_of` them, if the caller needs these too.
+        `numbers`: `numbers_of` them, if the caller needs these too. `beside`: values of instruments
+        and of derived channels that are known; these are not computed again.
         """
-        values: dict[str, Reading | DerivedValue] = {**readings}
+        values: dict[str, _Value] = {**readings, **beside}
         known = numbers_of(readings) if numbers is None else {**numbers}
+        known |= {name: each.value for name, each in beside.items()}
         for channel, calculation in self._steps:
+            if channel.name in beside:
+                continue
             if value := self._value(channel, calculation, values, known, time):
                 values[channel.name] = value
                 known[channel.name] = value.value
@@ -148,7 +159,7 @@ class DerivedChannels:
         self,
         channel: Derived,
         calculation: Calculation,
-        values: Mapping[str, Reading | DerivedValue],
+        values: Mapping[str, _Value],
         numbers: Mapping[str, float],
         time: float,
     ) -> DerivedValue | None:

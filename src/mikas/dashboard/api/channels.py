@@ -252,7 +252,8 @@ async def try_formula(requester: TheRequester, _: KnownClient, body: TrialReques
     corrected = [
         name
         for name in parsed.inputs
-        if is_corrected(known.channel(name), requester.library.interpretation)
+        if name not in known.channels
+        or is_corrected(known.channel(name), requester.library.interpretation)
     ]
     moments = await _moments(requester, corrected, body.recording, body.at)
     inputs = {name: moments[name][1] for name in parsed.inputs if name in moments}
@@ -287,10 +288,12 @@ async def _channel(
 
 def _parsed(known: Catalog, body: TrialRequest) -> Parsed:
     """Return the formula. Raises `FormulaError`, also for a channel that does not exist."""
-    parsed = parse(body.formula, body.constants, known.channel_of)
+    parsed = parse(body.formula, body.constants, known.input_of)
     for name, span in zip(parsed.inputs, parsed.places, strict=True):
-        if name not in known.channels:
-            raise FormulaError(does_not_exist(name, (*known.channels, *body.constants)), span)
+        if name not in known.formula_channels:
+            raise FormulaError(
+                does_not_exist(name, (*known.formula_channels, *body.constants)), span
+            )
         needed = in_order(known.derived, [name]) if name in known.derived else ()
         if body.name.upper() in {each.name for each in needed}:
             raise FormulaError(

@@ -11,6 +11,7 @@ from fastapi import APIRouter, Query
 from fastapi.responses import Response
 from pydantic import AfterValidator, BaseModel, Field
 
+from mikas.catalog import Catalog
 from mikas.catalog.formula_syntax import LONGEST
 from mikas.catalog.formulas import POWER
 from mikas.catalog.lookup import is_corrected
@@ -25,7 +26,7 @@ from mikas.dashboard.api.errors import errors, made_of
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.library.folder import RecordingFile
 from mikas.dashboard.session.history import row_time
-from mikas.errors import usage_error
+from mikas.errors import UnknownParameter, usage_error
 from mikas.i18n import Text
 from mikas.recording.search import SearchCondition, SearchResult, search, search_rows
 from mikas.recording.table.channels import Rows
@@ -101,7 +102,7 @@ async def find_live(
 
 
 def _find_live(dashboard: Dashboard, expression: str, seconds: float) -> FoundResponse:
-    condition = SearchCondition(dashboard.catalog, expression)
+    condition = SearchCondition(dashboard.formula_catalog, expression)
     chosen = dashboard.library.interpretation
     for name in condition.requires:
         if not is_corrected(dashboard.catalog.channel(name), chosen):
@@ -111,7 +112,7 @@ def _find_live(dashboard: Dashboard, expression: str, seconds: float) -> FoundRe
                 f"{name} опрашивается в толковании {chosen}, а формулам нужно corrected. Ищите в "
                 "записи или запустите программу без --interpretation",
             )
-    rows = dashboard.history.rows(seconds, condition.requires)
+    rows = dashboard.history.rows(seconds, (*condition.requires, *condition.beside))
     _check_cost(condition, len(rows.times), _MOST_LIVE, _SHORTER_TIME)
     dated = Rows(rows.times + dashboard.connection.later, rows.values)
     return _found(condition, search_rows(dated, condition))
@@ -125,8 +126,8 @@ async def find_recorded(requester: TheRequester, identity: str, expression: Expr
     library = requester.library
 
     def look(file: RecordingFile) -> Response:
-        condition = SearchCondition(library.catalog, expression)
         recording = library.opened(file)
+        condition = SearchCondition(recording.formula_catalog, expression)
         _check_cost(condition, recording.row_count, _MOST_RECORDED, _COMMAND)
         return json_of(_found(condition, search(recording, condition)))
 
@@ -147,10 +148,19 @@ def _searches(dashboard: Dashboard) -> SearchList:
 def write_searches(dashboard: TheDashboard, _: KnownClient, body: SearchList) -> SearchList:
     """Replace the user's conditions, all or none; each must be a formula of the catalog."""
     for kept in body.searches:
-        SearchCondition(dashboard.catalog, kept.expression)
+        _check(dashboard.formula_catalog, kept.expression)
     with dashboard.saving:
         search_file(dashboard).save([kept.model_dump() for kept in body.searches])
     return _searches(dashboard)
+
+
+def _check(catalog: Catalog, expression: str) -> None:
+    """Raise `UsageError` for what is no condition; a recording may have a labelled instrument."""
+    try:
+        SearchCondition(catalog, expression)
+    except UnknownParameter as error:
+        if catalog.described(error.name.upper()) is None:
+            raise
 
 
 def search_file(dashboard: Dashboard) -> KeptFile[SearchList]:

@@ -77,6 +77,14 @@ class SessionActions:
             self.problem = error.text
             self._use(LoadedActions())
 
+    def instruments_changed(self) -> None:
+        """Use the file if it names an instrument that is only now there.
+
+        Rules of an instrument that is gone stay: they have no value until it is back.
+        """
+        if self.problem is not None:
+            self.load()
+
     def replace(self, actions: LoadedActions) -> None:
         """Use these rules, and keep them. Raises `UsageError`; then those before stay.
 

@@ -129,7 +129,9 @@ def known_but(catalog: Catalog, names: Iterable[str]) -> frozenset[str]:
 
 def is_recorded(name: str, catalog: Catalog, recorded: Collection[str]) -> bool:
     """Return whether the channel, or all inputs of a derived one, are recorded."""
-    needed = catalog.required_by([name]) if name in catalog.derived else (name,)
+    if name not in catalog.derived:
+        return name in recorded
+    needed = (*catalog.required_by([name]), *catalog.required_beside([name]))
     return all(each in recorded for each in needed)
 
 
@@ -143,7 +145,8 @@ def all_channels(
     unit, and the wanted ones, by name.
     """
     known = dict(recorded)
-    derived = [name for name in catalog.derived if is_recorded(name, catalog, recorded)]
+    both = {**recorded, **beside}
+    derived = [name for name in catalog.derived if is_recorded(name, catalog, both)]
     for name in (*derived, *beside, *wanted):
         if name in beside:
             known[name] = beside[name]

@@ -3,12 +3,14 @@
 A row is one response. If a unit takes only small requests (D11), or one parameter at a time, the
 inputs of a formula stand in different rows. Then each input holds for a second, or for a cycle if
 that is longer, and the formula has a value in rows with a new input. A row without values is a gap
-and stays one.
+and stays one. Values of instruments hold as long as their definitions say; what needs these alone
+has a value in every row of the unit.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from types import MappingProxyType
 from typing import Final
 
 import numpy as np
@@ -20,6 +22,8 @@ from mikas.recording.table.channels import Rows
 
 FRESH: Final = 1.0  # s that a value holds for later responses
 LONGEST: Final = 10.0  # s of a cycle: one request a code, to a unit that needs 0.5 s for each
+
+_NONE: Final[Mapping[str, Floats]] = MappingProxyType({})
 
 
 class Deriver:
@@ -35,8 +39,11 @@ class Deriver:
         self._last: dict[str, tuple[float, float]] = {}  # time, value
         self._step: dict[str, float] = {}  # s since the previous value
 
-    def columns(self, rows: Rows) -> dict[str, Floats]:
-        """Return a column for each name. `rows`: all recorded parameters, corrected."""
+    def columns(self, rows: Rows, beside: Mapping[str, Floats] = _NONE) -> dict[str, Floats]:
+        """Return a column for each name. `rows`: all recorded parameters, corrected.
+
+        `beside`: the instruments' values at these rows.
+        """
         missing = np.full(len(rows.times), np.nan)
         inputs = {name: rows.values.get(name, missing) for name in self._requires}
         is_row = np.zeros(len(rows.times), np.bool_)
@@ -47,9 +54,9 @@ class Deriver:
             name: np.where(is_row, self._held(name, rows.times, column, hold), np.nan)
             for name, column in inputs.items()
         }
-        derived = self._channels.columns(rows.times, {**rows.values, **held})
+        derived = self._channels.columns(rows.times, {**rows.values, **held, **beside})
         for sources, names in self._alike.items():
-            new = np.zeros(len(rows.times), np.bool_)
+            new = np.zeros(len(rows.times), np.bool_) if sources else is_row
             for source in sources:
                 new |= np.isfinite(inputs[source])
             for name in names:

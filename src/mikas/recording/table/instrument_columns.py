@@ -99,7 +99,7 @@ class InstrumentColumns:
     """The channels of a file's instruments. `definitions`: those that replace the ones named so.
 
     `channels`: in the order of the file. `unread`: the instruments whose definition can't be used,
-    with the reason.
+    with the reason. `described`: as `channels`, as the definitions describe them.
     """
 
     def __init__(
@@ -111,6 +111,7 @@ class InstrumentColumns:
         self._given = {each.name: each for each in definitions}
         self._catalog = catalog
         self.channels: dict[str, Channel] = {}
+        self.described: list[InstrumentChannel] = []
         self.unread: list[tuple[Source, UsageError]] = []
         self._columns: dict[tuple[int, str], InstrumentSamples] = {}
         for raw in found:
@@ -153,7 +154,9 @@ class InstrumentColumns:
                         times[name].append(time)
                         values[name].append(value)
         for name, channel in names.items():
-            self.channels.setdefault(channel.name, instrument_column(channel))
+            if channel.name not in self.channels:
+                self.channels[channel.name] = instrument_column(channel)
+                self.described.append(channel)
             column = _rising(times[name], values[name], definition.stale)
             self._columns.setdefault((raw.source.recording, channel.name), column)
 

@@ -20,16 +20,17 @@ if TYPE_CHECKING:
 
 @command(
     en="Finds the moments of a recording (.pcapng) at which EXPRESSION holds: a formula of "
-    "parameters and derived channels, as in a catalog file. A moment ends where the formula "
-    "is false or has no value for two seconds. PEAK is the extreme of what the first "
-    "comparison compares: the lowest value of a <, else the highest.",
-    ru="Находит в записи (.pcapng) моменты, когда выполняется EXPRESSION: формула из параметров и "
-    "производных каналов, как в файле каталога. Момент кончается там, где формула неверна или "
-    "две секунды не имеет значения. PEAK — крайнее значение того, что сравнивается первым: при "
-    "< наименьшее, иначе наибольшее.",
+    "parameters, derived channels and recorded instruments, as in a catalog file. A moment ends "
+    "where the formula is false or has no value for two seconds. PEAK is the extreme of what the "
+    "first comparison compares: the lowest value of a <, else the highest.",
+    ru="Находит в записи (.pcapng) моменты, когда выполняется EXPRESSION: формула из параметров, "
+    "производных каналов и записанных приборов, как в файле каталога. Момент кончается там, где "
+    "формула неверна или две секунды не имеет значения. PEAK — крайнее значение того, что "
+    "сравнивается первым: при < наименьшее, иначе наибольшее.",
     examples=(
         "mikas find drive.pcapng 'FREQ > 3000 and DET'",
         "mikas find drive.pcapng 'TWAT > 100' --json",
+        "mikas find drive.pcapng 'LAMBDA > 1.1 and FREQ > 2000'",
     ),
 )
 @argument("file", "FILE", type=existing_file, shell_complete=files(*RECORDING))
@@ -39,8 +40,9 @@ def find(context: CommandContext, file: Path, expression: str) -> None:
     from mikas.recording.search import SearchCondition, search
 
     options = context.options
-    condition = SearchCondition(options.catalog, expression)
-    found = search(Recording(file, options.catalog), condition)
+    recording = Recording(file, options.catalog)
+    condition = SearchCondition(recording.formula_catalog, expression)
+    found = search(recording, condition)
     if found.damaged:
         context.say(
             f"{file}: {found.damaged} damaged place(s); the readable rest is searched.",

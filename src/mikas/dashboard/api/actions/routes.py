@@ -62,7 +62,7 @@ def write_actions(
     if not client.local and reaches_network(body) != reaches_network(before):
         raise OnlyHere
     try:
-        loaded = actions_in(body.tables(), dashboard.catalog)
+        loaded = actions_in(body.tables(), dashboard.formula_catalog)
     except CatalogError as error:
         raise BadRequest(problem=error.problem) from error
     dashboard.actions.replace(loaded)
@@ -102,18 +102,20 @@ def _response(dashboard: Dashboard) -> ActionsResponse:
 def _tried(dashboard: Dashboard, body: ActionModel) -> ActionTrial:
     table = body.table() | {"sound": True, "mqtt": False}  # what it does is no matter here
     try:
-        loaded = actions_in({"action": {body.name: table}}, dashboard.catalog)
+        catalog = dashboard.formula_catalog
+        loaded = actions_in({"action": {body.name: table}}, catalog)
     except CatalogError as error:
         return ActionTrial(problem=two(error.problem), value=None, times=[], count=0, seconds=0)
-    watch = ConditionWatch(loaded.rules, dashboard.catalog)
-    rows = dashboard.history.rows(_SECONDS, watch.requires)
+    watch = ConditionWatch(loaded.rules, catalog)
+    rows = dashboard.history.rows(_SECONDS, (*watch.requires, *watch.beside))
     later, times = dashboard.connection.later, []
     chosen = dashboard.library.interpretation
     columns = [  # formulas are in the corrected interpretation
         (name, rows.values[name])
         for name in watch.requires
-        if name in rows.values and is_corrected(dashboard.catalog.channel(name), chosen)
+        if name in rows.values and is_corrected(catalog.channel(name), chosen)
     ]
+    columns += [(name, rows.values[name]) for name in watch.beside if name in rows.values]
     for at, time in enumerate(rows.times):
         if at % 256 == 0:
             check_cancelled()

@@ -41,9 +41,10 @@ from mikas.instruments.reading import InstrumentReader, InstrumentReading
 from mikas.instruments.session_instruments import SessionInstruments
 from mikas.recording.capture.instruments import CONNECTED, instrument_port, loss
 from mikas.recording.recorder import Recorder
-from mikas.sampling.alarms import Alarms
+from mikas.sampling.beside import SamplesBeside
 from mikas.sampling.events import AlarmChanged, Sampled
 from mikas.sampling.instrument_changes import InstrumentChanged
+from mikas.sampling.plan import Selection
 from mikas.saving import KeptFile
 
 _MOST_BYTES: Final = 1 << 16
@@ -91,7 +92,8 @@ class InstrumentsBeside:
         """Held while a request changes the choice or a definition."""
         self._positions: PositionSource | None = None
         self._beside: SessionInstruments | None = None
-        self._alarms = Alarms(())
+        self._samples = SamplesBeside(())
+        self._selection: Callable[[], Selection] | None = None
         self._gate = _Gate(recorder)
         self._lock = threading.Lock()  # of `_beside` and what belongs to it
 
@@ -184,10 +186,7 @@ class InstrumentsBeside:
             chosen.append(replace(each, definition=definition))
         self.chosen = tuple(chosen)
         self.version += 1
-        alarms = Alarms(self.channels)
-        ended = alarms.continue_from(self._alarms, self._connection.now())
-        self._alarms = alarms
-        return ended
+        return self._samples.use_instruments(self.channels, self._connection.now())
 
     async def _replace(self, chosen: tuple[ChosenInstrument, ...]) -> None:
         """Keep the choice and read those from now on; a recording goes on in another file."""
@@ -214,7 +213,7 @@ class InstrumentsBeside:
     def _use(self, chosen: tuple[ChosenInstrument, ...]) -> None:
         self.chosen = chosen
         self.version += 1
-        self._alarms = Alarms(self.channels)
+        self._samples = SamplesBeside(self.channels)
         ports = [instrument_port(each.definition, each.url, each.label) for each in chosen]
         self._recorder.use_instruments(ports)
         self._changed(tuple(channel.name for channel in self.channels))
@@ -229,6 +228,7 @@ class InstrumentsBeside:
                 return
             self._gate = _Gate(self._recorder)
             self._positions = PositionSource(thread.port.now)
+            self._selection = lambda: thread.acquisition.selection
             self._beside = SessionInstruments(
                 self.chosen,
                 thread.port,
@@ -253,18 +253,18 @@ class InstrumentsBeside:
         return [InstrumentChanged.of(it) for it in beside.follow()] if beside else []
 
     def with_values(self, event: Sampled) -> Sampled:
-        """Return the sample with the values of the instruments that are not too old."""
-        beside = self._beside
-        return replace(event, instruments=beside.fresh(event.time)) if beside else event
+        """Return the sample with the values of the instruments that are not too old.
+
+        Also with the derived channels that need them.
+        """
+        beside, selection = self._beside, self._selection
+        if beside is None or selection is None:
+            return event
+        return self._samples.completed(event, beside.fresh(event.time), selection())
 
     def alarms_of(self, event: Sampled) -> list[AlarmChanged]:
-        """Return the changes of alarms by a sample; in the sampling thread.
-
-        An alarm ends with the values of its channel.
-        """
-        alarms, values = self._alarms, {it.name: it.value for it in event.instruments.values()}
-        gone = [name for name in alarms.states if name not in values]
-        return [*alarms.update(values, event.time), *alarms.lose(gone, event.time)]
+        """Return the changes of alarms by a sample; in the sampling thread."""
+        return self._samples.alarms(event)
 
     def fresh(self) -> dict[str, InstrumentReading]:
         """Return the values that are not too old now, by channel."""
