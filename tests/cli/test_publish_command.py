@@ -43,6 +43,23 @@ def test_values_are_published_and_the_last_line_counts_them(mikas, broker, url):
     assert by_topic["a/b/unit"].json["version_code"] == "0A"
 
 
+def test_a_meter_beside_the_unit_is_published_with_it(mikas, broker, url):
+    listener = Listener(broker.port)
+    ran = mikas(
+        "publish", url, "FREQ", "--count", "40", "--rate", "10", "--topic", "a/meter",
+        "--instrument", "left:aem=sim:", "--every", "0.5",
+    )  # fmt: skip
+    listener.wait_for(is_("a/meter/availability", b"offline"))
+    listener.close()
+    assert ran.status == 0
+    values = [it.json["values"] for it in listener.got if it.topic == "a/meter/values"]
+    assert set(values[-1]) == {"FREQ", "LAMBDA_LEFT", "AFR_LEFT"}
+    assert 0.5 < values[-1]["LAMBDA_LEFT"] < 2
+    assert values[-1]["FREQ"] > 0
+    wrong = mikas("publish", url, "FREQ", "--instrument", "ame=sim:")
+    assert (wrong.status, "Did you mean aem" in wrong.err) == (2, True)
+
+
 def test_all_notices_of_publish_are_in_russian(mikas, url):
     ran = mikas("publish", url, "TWAT", "--count", "3", "--lang", "ru")
     assert ran.status == 0

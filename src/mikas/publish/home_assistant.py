@@ -17,7 +17,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
-from mikas.catalog import Derived, Level, Parameter
+from mikas.catalog import Derived, InstrumentChannel, Level, Parameter
 from mikas.cleaning import clean_line
 from mikas.i18n import Language, Text
 from mikas.publish.outbox import Message, MessageKind, compact
@@ -151,7 +151,7 @@ class HomeAssistant:
 
     # The entities
 
-    def _of_channel(self, channel: Parameter | Derived) -> dict[str, Any]:
+    def _of_channel(self, channel: Parameter | Derived | InstrumentChannel) -> dict[str, Any]:
         value = f"value_json['values'].get({json.dumps(channel.name)})"
         config: dict[str, Any] = {
             "name": channel.text.to(self.language),
@@ -163,13 +163,14 @@ class HomeAssistant:
             config["value_template"] = (
                 f"{{{{ {{true: 'ON', false: 'OFF'}}.get({value}, 'None') }}}}"
             )
-            if channel.lamp is not None and channel.lamp.trouble is not Level.NONE:
+            lamp = channel.lamp if isinstance(channel, Parameter) else None
+            if lamp is not None and lamp.trouble is not Level.NONE:
                 config["device_class"] = "problem"
             return config
         config["platform"] = "sensor"
         config["value_template"] = f"{{{{ {value} }}}}"
         config["suggested_display_precision"] = channel.decimals
-        sums = channel.accumulates
+        sums = isinstance(channel, Derived) and channel.accumulates
         if channel.name != MINERR:  # a number of a fault has no average
             config["state_class"] = "total_increasing" if sums else "measurement"
         key, text = unit_of(channel, self.publication.interpretation)

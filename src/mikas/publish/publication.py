@@ -14,7 +14,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
-from mikas.catalog import Catalog, Derived, Parameter
+from mikas.catalog import Catalog, Derived, InstrumentChannel, Parameter
 from mikas.client.parameters.polling import next_due
 from mikas.i18n import Text
 from mikas.json_values import picked
@@ -23,6 +23,7 @@ from mikas.publish.topics import Topics
 from mikas.publish.values import LatestValues, SampleBatch, plain_values, unit_of
 from mikas.sampling import events
 from mikas.sampling.events import Event
+from mikas.sampling.instrument_changes import InstrumentChanged
 
 _NO_ALARM: Final = "none"
 STATES: Final = {
@@ -43,7 +44,7 @@ class Publication:
 
     topics: Topics
     catalog: Catalog
-    channels: Sequence[Parameter | Derived]
+    channels: Sequence[Parameter | Derived | InstrumentChannel]
     every: float = 1.0
     qos: int = 0
     each: bool = False
@@ -52,7 +53,8 @@ class Publication:
 
     def __post_init__(self) -> None:
         names = [channel.name for channel in self.channels]
-        self._latest = LatestValues(names)
+        beside = (each.name for each in self.channels if isinstance(each, InstrumentChannel))
+        self._latest = LatestValues(names, beside)
         self._batch = SampleBatch(self.topics.samples, names, max(1, self.qos))
         self._gaps: list[events.Gap] = []  # those that the next event begins or ends
         self._due: float | None = None  # of the next values
@@ -92,7 +94,8 @@ class Publication:
         match event:
             case events.Sampled():
                 values = plain_values(event)
-                self._latest.add_sample(event.time, values)
+                ages = {name: event.time - it.time for name, it in event.instruments.items()}
+                self._latest.add_sample(event.time, values, ages)
                 if self.samples:
                     self._batch.add_row(event.time, values)
                 if not self._answers:
@@ -223,7 +226,7 @@ class Publication:
                 happened.append(replace(event, added=new))
             case events.StateChanged() | events.UnitFound() | events.AdapterMoved():
                 happened.append(event)
-            case events.ParameterDropped() | events.ParameterReturned():
+            case events.ParameterDropped() | events.ParameterReturned() | InstrumentChanged():
                 happened.append(event)
             case events.MethodChosen() | events.AlarmChanged() | events.ClockChanged():
                 happened.append(event)

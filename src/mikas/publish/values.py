@@ -2,19 +2,22 @@
 
 A channel's value holds for a second after its reading, or for three of the channel's usual
 intervals if these are longer (`NAME/10`, a slow method). After that, and at once when the line
-breaks, the channel has no value: None, never the last number.
+breaks, the channel has no value: None, never the last number. A value of an instrument beside the
+unit holds as long as its definition says: a sample without it has none.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from math import isfinite
+from types import MappingProxyType
 from typing import Final, NamedTuple, TypeAlias
 
-from mikas.catalog import Derived, Parameter
+from mikas.catalog import Derived, InstrumentChannel, Parameter
 from mikas.client import Reading
 from mikas.client.parameters.derived import DerivedValue
 from mikas.i18n import Text
+from mikas.instruments.reading import InstrumentReading
 from mikas.publish.outbox import Message, MessageKind, json_payload, rounded
 from mikas.sampling.events import Sampled
 from mikas.sampling.gaps import Arrivals
@@ -23,14 +26,17 @@ Plain: TypeAlias = float | int | bool | None
 
 _MOST_ROWS: Final = 1000  # in one message, however long the interval
 _NEW: Final = 1.0  # s; a value that is older has its age in the message
+_NONE: Final[Mapping[str, float]] = MappingProxyType({})
 
 
-def unit_of(channel: Parameter | Derived, interpretation: str) -> tuple[str, Text]:
+def unit_of(
+    channel: Parameter | Derived | InstrumentChannel, interpretation: str
+) -> tuple[str, Text]:
     """Return the unit of the channel's values, as the catalog names it and as a person reads it."""
-    if isinstance(channel, Derived):
-        return channel.unit, channel.unit_text
-    conversion = channel.interpretation(interpretation)
-    return conversion.unit, conversion.unit_text
+    if isinstance(channel, Parameter):
+        conversion = channel.interpretation(interpretation)
+        return conversion.unit, conversion.unit_text
+    return channel.unit, channel.unit_text
 
 
 class Latest(NamedTuple):
@@ -46,19 +52,29 @@ class Latest(NamedTuple):
 
 
 class LatestValues:
-    """Follows the samples of the channels `names`."""
+    """Follows the samples of the channels `names`; `beside`: those of instruments among them."""
 
-    def __init__(self, names: Iterable[str]) -> None:
+    def __init__(self, names: Iterable[str], beside: Iterable[str] = ()) -> None:
         self._names = tuple(names)
+        self._beside = frozenset(beside)
         self._read: dict[str, tuple[float, Plain]] = {}
         self._arrivals = {name: Arrivals() for name in self._names}
+        self._ages: Mapping[str, float] = _NONE
 
-    def add_sample(self, time: float, values: Mapping[str, Plain]) -> None:
-        """Take the `plain_values` that were read in the cycle of `time`."""
+    def add_sample(
+        self, time: float, values: Mapping[str, Plain], ages: Mapping[str, float] = _NONE
+    ) -> None:
+        """Take the `plain_values` that were read in the cycle of `time`.
+
+        `ages`: seconds by which the instruments' values are older.
+        """
+        for name in self._beside.difference(values):
+            self._read.pop(name, None)
         for name, value in values.items():
             if (arrivals := self._arrivals.get(name)) is not None:
                 self._read[name] = time, value
                 arrivals.add(time)
+        self._ages = ages
 
     def clear(self) -> None:
         """Forget all values: no unit answers, or another one does."""
@@ -74,14 +90,17 @@ class LatestValues:
             time, value = self._read.get(name, (now, None))
             age = max(0.0, now - time)
             values[name] = value if age <= self._arrivals[name].longest_usual else None
+            age += self._ages.get(name, 0.0)
             if age > _NEW and values[name] is not None:
                 ages[name] = round(age, 1)
         return Latest(values, ages)
 
 
 def plain_values(sample: Sampled) -> dict[str, Plain]:
-    """Return the values read in this cycle as JSON has them; a number that is none is None."""
-    fresh: dict[str, Reading | DerivedValue] = {**sample.fresh, **sample.derived}
+    """Return the values of this cycle as JSON has them; a number that is none is None."""
+    fresh: dict[str, Reading | DerivedValue | InstrumentReading] = {
+        **sample.fresh, **sample.derived, **sample.instruments
+    }  # fmt: skip
     return {name: each.value if isfinite(each.value) else None for name, each in fresh.items()}
 
 

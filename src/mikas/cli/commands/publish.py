@@ -14,7 +14,7 @@ from mikas.cli.failures import DONE
 from mikas.cli.language import current_language, tr
 from mikas.cli.options.broker import BrokerOptions, broker_options
 from mikas.cli.options.parameter_types import positive, whole
-from mikas.cli.options.sampling import SamplingOptions, sampling_options
+from mikas.cli.options.sampling import INSTRUMENTS, SamplingOptions, sampling_options
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -103,17 +103,21 @@ publish_options: Final = grouped(PublishOptions)
         "mikas publish mqtt://192.168.1.10 --home-assistant",
         "mikas publish mqtts://broker.example --user volga --password-file pw.txt",
         "mikas publish mqtt://localhost FREQ TWAT/10 --every 5 --topic mikas/volga",
+        "mikas publish mqtt://localhost FREQ --instrument aem=/dev/ttyUSB1",
         "mikas publish mqtt://192.168.1.10 --remove",
     ),
 )
 @broker_options
 @publish_options
+@INSTRUMENTS
 @sampling_options
 def publish(
     context: CommandContext,
     sampling: SamplingOptions,
     options: PublishOptions,
     broker: BrokerOptions,
+    *,
+    instruments: tuple[str, ...],
 ) -> int:
     from mikas.publish.connection import check_library
 
@@ -121,8 +125,8 @@ def publish(
     destination = broker.destination(patient=options.wait)
     if options.remove:
         return _remove(context, destination, options)
-    with context.open_ahead() as ahead:  # imports take as long as the handshake listens
-        return _publish(context, sampling, options, destination, ahead)
+    with context.open_ahead(instruments) as ahead:  # imports take as long as the handshake listens
+        return _publish(context, sampling, options, destination, ahead, instruments)
 
 
 def _remove(context: CommandContext, destination: Destination, options: PublishOptions) -> int:
@@ -144,6 +148,7 @@ def _publish(
     options: PublishOptions,
     destination: Destination,
     ahead: PortAhead,
+    instruments: tuple[str, ...],
 ) -> int:
     from mikas.cli.render.notices import Notices
     from mikas.cli.render.publishing import PublishingReport
@@ -157,12 +162,13 @@ def _publish(
         joined=False,
         patient=options.wait,
         in_streams=IN_STREAMS,
+        instruments=instruments,
     ) as run:
         run.session.wants_faults = lambda: True
         topics = destination.topics
         report = PublishingReport(context.output, run, destination.broker.url, topics.base)
         publication = Publication(
-            *(topics, context.options.catalog, run.acquisition.channels),
+            *(topics, context.options.catalog, run.channels),
             every=options.every,
             qos=options.qos,
             each=options.each,
