@@ -28,6 +28,7 @@ class PlainPage:
         self._to, self._from = to_browser, from_browser
         self._numbers = count(1)
         self._session: dict[str, str] = {}
+        self._workers: list[dict[str, str]] = []
         targets = self.send("Target.getTargets")["targetInfos"]
         page = next(it["targetId"] for it in targets if it["type"] == "page")
         answer = self.send("Target.attachToTarget", targetId=page, flatten=True)
@@ -35,8 +36,13 @@ class PlainPage:
 
     def send(self, method: str, **parameters: object) -> dict[str, Any]:
         """Return the browser's answer; raises `RuntimeError` with its own words."""
+        return self._ask(self._session, method, parameters)
+
+    def _ask(
+        self, session: Mapping[str, str], method: str, parameters: Mapping[str, object]
+    ) -> dict[str, Any]:
         number = next(self._numbers)
-        message = {"id": number, "method": method, "params": parameters, **self._session}
+        message = {"id": number, "method": method, "params": parameters, **session}
         self._to.write(json.dumps(message).encode() + b"\0")
         self._to.flush()
         while (answer := self._read()).get("id") != number:
@@ -45,6 +51,17 @@ class PlainPage:
             raise RuntimeError(f"{method}: {answer['error']}")
         result: dict[str, Any] = answer["result"]
         return result
+
+    def collect_garbage(self) -> None:
+        """Have the JavaScript of the page and of its workers collect what nothing holds."""
+        attached = {"waitForDebuggerOnStart": False, "flatten": True}
+        self.send("Target.setAutoAttach", autoAttach=True, **attached)  # answers after the workers
+        for session in (*self._workers, self._session):
+            # Twice: what JavaScript holds of the browser's own objects goes after it.
+            for _ in range(2):
+                self._ask(session, "HeapProfiler.collectGarbage", {})
+        self.send("Target.setAutoAttach", autoAttach=False, **attached)
+        self._workers.clear()
 
     def evaluate(self, expression: str) -> object:
         """Return the value of a JavaScript expression in the page, as JSON has it."""
@@ -80,6 +97,8 @@ class PlainPage:
                 raise EOFError("the browser has ended")
             parts += byte
         message: dict[str, Any] = json.loads(parts)
+        if message.get("method") == "Target.attachedToTarget":
+            self._workers.append({"sessionId": message["params"]["sessionId"]})
         return message
 
 
