@@ -82,6 +82,31 @@ def test_log_records_instruments_and_watch_shows_them(mikas: Mikas, tmp_path: Pa
     assert done.status == 0  # the unit is sampled all the same
 
 
+def test_decode_shows_an_instruments_messages_between_the_units_frames(
+    mikas: Mikas, tmp_path: Path
+) -> None:
+    beside = ("--instrument", "left:aem=sim:", "--instrument", "nmea=sim:")
+    assert mikas("log", "-o", "a.pcapng", "FREQ", "--duration", "3", *beside).status == 0
+    items = mikas("decode", "a.pcapng", "--json").objects
+    readings = [it for it in items if it["type"] == "reading"]
+    assert {it["instrument"] for it in readings} == {"left:aem", "nmea"}
+    meter = [it for it in readings if it["instrument"] == "left:aem"]
+    assert len(meter) > 10
+    for it in meter:
+        assert float(it["text"]) in (it["values"]["AFR_LEFT"], it["values"]["LAMBDA_LEFT"])
+        assert bytes.fromhex(it["data"]).decode() == it["text"]
+    states = [it["state"] for it in items if it["type"] == "instrument"]
+    assert states == ["connected", "connected"]
+    frames = [it for it in items if it["type"] == "frame"]
+    times = [it["time"] for it in meter]
+    assert frames[0]["time"] < times[0] < times[-1] < frames[-1]["time"] + 1
+    text = mikas("decode", "a.pcapng", "--lang", "ru").lines
+    assert len(text) == len(items)
+    (first, *_) = [line for line in text if "LAMBDA_LEFT=" in line]
+    assert " = left:aem  «" in first
+    assert " = nmea  подключён" in "\n".join(text)
+
+
 def test_a_wrong_instrument_is_refused_before_anything_is_recorded(
     mikas: Mikas, tmp_path: Path
 ) -> None:

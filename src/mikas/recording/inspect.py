@@ -42,7 +42,7 @@ _RAW_CHECKSUM = Text("raw checksum", "контрольная сумма без �
 _IRREGULAR = _REASONS["irregular escape"]
 
 Item = DecodedFrame | DecodedDamage | Problem | Packet
-"""A packet: bytes of another protocol, at another baud rate."""
+"""A packet: bytes of another protocol, at another baud rate, or of an instrument."""
 
 
 def decode(
@@ -52,7 +52,7 @@ def decode(
 ) -> Iterator[Item]:
     """Yield the frames of `items` as soon as each is whole; pass problems through. Never raise.
 
-    So pass packets of another protocol.
+    So pass packets of another protocol, and of instruments.
 
     `describer` makes the `Describe` of one line: a list that 64 sets belongs to it alone.
     `size_of`: bytes of a parameter's datum by its code (None: not known); by default those of the
@@ -74,7 +74,7 @@ def decode(
             for port, _ in lines.values():
                 yield from port.finish()
             lines.clear()
-        if item.source.foreign:
+        if item.source.foreign or item.source.instrument:
             yield item
             continue
         if item.source not in lines:

@@ -19,9 +19,11 @@ from collections.abc import Iterator
 from typing import Final
 
 from mikas.cancellation import check_cancelled
+from mikas.catalog import Catalog
 from mikas.cleaning import clean_line, public_port
+from mikas.errors import UsageError
 from mikas.i18n import Text
-from mikas.instruments import InstrumentDefinition
+from mikas.instruments import InstrumentDefinition, definition_named, definition_of_text
 from mikas.instruments.choosing import line_baud
 from mikas.recording.capture import blocks as pcapng
 from mikas.recording.capture.dating import corrections_in
@@ -66,6 +68,18 @@ def label_and_name(source: Source) -> tuple[str, str]:
     """Return the label and the definition's name of an instrument's port; empty: not known."""
     match = _NAME.match(source.description)
     return (match[1] or "", match[2]) if match else ("", "")
+
+
+def recorded_definition(source: Source, catalog: Catalog) -> InstrumentDefinition:
+    """Return the present definition of an instrument's name, or that in the file if none is known.
+
+    Raises `UsageError` if neither can be used.
+    """
+    _, name = label_and_name(source)
+    try:
+        return definition_named(name, catalog)
+    except UsageError:
+        return definition_of_text(name, source.definition, catalog)
 
 
 def instrument_packets(path: str | os.PathLike[str]) -> Iterator[Packet]:

@@ -57,6 +57,8 @@ class Source:
     """Of an instrument: the text of its definition."""
     foreign: bool = False
     """Whether these bytes are of another protocol, at another baud rate."""
+    instrument: bool = False
+    """Whether an instrument beside the unit sent these bytes."""
 
     @property
     def byte_time(self) -> float:
@@ -109,10 +111,14 @@ class CaptureReader:
                     if not isinstance(each, Note):
                         yield each
 
-    def with_other_protocols(self) -> Iterator[Packet | Problem]:
-        """Iterate as over this; the K-Line's packets of other protocols come too, as `foreign`."""
+    def with_other_protocols(self, *, instruments: bool = False) -> Iterator[Packet | Problem]:
+        """Iterate as over this; the K-Line's packets of other protocols come too, as `foreign`.
+
+        `instruments`: and those of instruments beside the unit, as `instrument`.
+        """
+        others = _OURS if instruments else (pcapng.LINKTYPE_USER2,)
         with opened(self.path) as file:
-            blocks = Blocks(corrections_in(file), foreign=True)
+            blocks = Blocks(corrections_in(file), others=others)
             for item in scan(file):
                 for each in blocks.read(item):
                     if not isinstance(each, Note):
@@ -134,8 +140,8 @@ class Blocks:
     first packet has the form that this program writes, its port is known except for the name.
     `clocks`: of the present ports, by number. `corrections`: seconds to add to the times of each
     recording (`capture.dating`). A shallow copy goes on from the same place. `link_type`: of the
-    packets that are yielded: the unit's, or those of instruments; `foreign`: and those of other
-    protocols.
+    packets that are yielded: the unit's, or those of instruments; `others`: and of
+    these link types.
     """
 
     def __init__(
@@ -143,9 +149,9 @@ class Blocks:
         corrections: Mapping[int, float] | None = None,
         link_type: int = pcapng.LINKTYPE_USER0,
         *,
-        foreign: bool = False,
+        others: tuple[int, ...] = (),
     ) -> None:
-        self._link_types = {link_type, *([pcapng.LINKTYPE_USER2] if foreign else [])}
+        self._link_types = {link_type, *others}
         self._recording = -1
         self._corrections = corrections or {}
         self._section: pcapng.Section | None = None
@@ -232,6 +238,7 @@ class Blocks:
             hardware=clean_line(section.hardware),
             definition=interface.comment if interface.link_type == _OURS[1] else "",
             foreign=interface.link_type == pcapng.LINKTYPE_USER2,
+            instrument=interface.link_type == pcapng.LINKTYPE_USER1,
         )
         self._interfaces += ((interface, source),)
         self.clocks += (RecordingClock(),)

@@ -23,10 +23,13 @@ from mikas.instruments import (
     InstrumentValues,
     decoder_of,
     definition_named,
-    definition_of_text,
 )
 from mikas.instruments.timing import TimedInstrumentDecoder
-from mikas.recording.capture.instruments import instrument_packets, label_and_name
+from mikas.recording.capture.instruments import (
+    instrument_packets,
+    label_and_name,
+    recorded_definition,
+)
 from mikas.recording.capture.reader import Packet, Source
 from mikas.recording.exchanges.arrays import Floats
 from mikas.recording.table.channels import Channel
@@ -163,10 +166,7 @@ class InstrumentColumns:
     def _definition(self, name: str, source: Source) -> InstrumentDefinition:
         if name in self._given:
             return self._given[name]
-        try:
-            return definition_named(name, self._catalog)
-        except UsageError:
-            return definition_of_text(name, source.definition, self._catalog)
+        return recorded_definition(source, self._catalog)
 
 
 def instrument_column(each: InstrumentChannel) -> Channel:

@@ -24,8 +24,14 @@ if TYPE_CHECKING:
 
 from mikas.recording import CaptureReader
 from mikas.recording.capture.reader import Packet, Problem
-from mikas.recording.inspect import Describer, to_json, to_text
+from mikas.recording.inspect import Describer, Item, to_json, to_text
 from mikas.recording.inspect import decode as decode_frames
+from mikas.recording.instrument_lines import (
+    InstrumentLines,
+    InstrumentMessage,
+    message_json,
+    message_text,
+)
 
 MOST_PROBLEMS = 20
 
@@ -185,30 +191,53 @@ def _watched(context: CommandContext, stretches: Iterable[Rows]) -> Iterator[Row
 
 @command(
     en="Shows a capture (.pcapng) frame by frame: time, direction, bytes, meaning; damage with "
-    "its reason and offset. Of a truncated file the readable part is shown.",
+    "its reason and offset; messages of instruments beside the unit with their values. Of a "
+    "truncated file the readable part is shown.",
     ru="Показывает запись (.pcapng) по кадрам: время, направление, байты, значение; повреждения "
-    "с причиной и смещением. Обрезанный файл показывается до места обрыва.",
+    "с причиной и смещением; сообщения приборов рядом с блоком и их значения. Обрезанный файл "
+    "показывается до места обрыва.",
     examples=("mikas decode drive.pcapng", "mikas decode drive.pcapng --json"),
 )
 @argument("file", "FILE", type=existing_file, shell_complete=files(*RECORDING))
 def decode(context: CommandContext, file: Path) -> None:
     catalog = context.options.catalog
     describer = partial(Describer, catalog, context.options.interpretation)
+    lines = InstrumentLines(catalog)
     zero: float | None = None
     number = 0
-    for item in decode_frames(
-        CaptureReader(file).with_other_protocols(), describer, catalog.size_of
+    for item in _with_messages(
+        decode_frames(
+            CaptureReader(file).with_other_protocols(instruments=True), describer, catalog.size_of
+        ),
+        lines,
     ):
         if context.output.json:
-            line = to_json(item)
+            line = message_json(item) if isinstance(item, InstrumentMessage) else to_json(item)
             line.pop("schema", None)
             context.output.data(line)
             continue
         if zero is None:
-            zero = item.time if isinstance(item, Packet) else getattr(item, "begin", None)
+            zero = getattr(item, "time", getattr(item, "begin", None))
         if not isinstance(item, Problem) and item.source.recording != number:
             number = item.source.recording
-            context.output.line(
-                tr(f"recording {number + 1}: ", f"запись {number + 1}: ") + item.source.url
-            )
-        context.output.line(to_text(item, current_language(), zero=zero or 0.0))
+            port = "" if item.source.instrument else item.source.url
+            shown = tr(f"recording {number + 1}: ", f"запись {number + 1}: ") + port
+            context.output.line(shown.rstrip())
+        context.output.line(_shown(item, zero or 0.0))
+
+
+def _shown(item: Item | InstrumentMessage, zero: float) -> str:
+    if isinstance(item, InstrumentMessage):
+        return message_text(item, current_language(), zero=zero)
+    return to_text(item, current_language(), zero=zero)
+
+
+def _with_messages(
+    items: Iterable[Item], lines: InstrumentLines
+) -> Iterator[Item | InstrumentMessage]:
+    """Yield the items, the messages of instruments in the place of their packets."""
+    for item in items:
+        if isinstance(item, Packet) and item.source.instrument:
+            yield from lines.feed(item)
+        else:
+            yield item
