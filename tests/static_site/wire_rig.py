@@ -150,7 +150,7 @@ class Wire:
         tty.setraw(slave)
         self._number = self._computer.plug(self._adapter, os.ttyname(slave))
         self._slave = slave  # so that the port remains when the browser closes it
-        self._is_there = True
+        self.is_there = True
 
     def send(self, data: bytes) -> None:
         os.write(self._master, data)
@@ -171,8 +171,8 @@ class Wire:
 
     def vanish(self) -> None:
         """Unplug it; nothing happens if it is out."""
-        if self._is_there:
-            self._is_there = False
+        if self.is_there:
+            self.is_there = False
             os.close(self._slave)
             os.close(self._master)
             self._computer.unplug(self._number)
