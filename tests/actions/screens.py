@@ -85,6 +85,7 @@ ELSEWHERE = {
     "live/Screen choose": "static_site/test_site_phone.py",
     "notices/IgnitionOnly hide": "../web/src/components/notices/IgnitionOnly.test.ts",
     "notices/IgnitionOnly show": "../web/src/components/notices/IgnitionOnly.test.ts",
+    "recordings/trip/Screen save": "browser/test_browser_trips.py",
     "sources/SourcePicker together": "browser/test_browser_causes.py",
     "notices/ErrorNotice take": "browser/test_browser_sharing.py",
     "tests/RecordedView show": "browser/test_browser_guided_tests.py",

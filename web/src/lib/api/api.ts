@@ -163,6 +163,11 @@ export function createApi(host: Transport) {
     markReference: (id: string, on: boolean) => put<Api.References>(`/recordings/${part(id)}/reference`, { on }),
     recordingFile: (id: string) => address(`/recordings/${part(id)}/file`),
     exportFile: (id: string, format: Api.ExportFormat, names?: string[]) => address(`/recordings/${part(id)}/export`, { format, names }),
+    /** The trip in a recording, or of the connected car (null), from the mark of that time on. */
+    trip: (recording: string | null, since: number | null, colour: string, signal?: AbortSignal) =>
+      get<Api.Trip>(`${of(recording, "")}/trip`, { since, colour }, signal),
+    wayFile: (recording: string | null, form: "gpx" | "geojson", since: number | null, lang: string) =>
+      address(`${of(recording, "")}/trip/${form}`, { since, lang }),
     report: (recording: string | null, lang: string, inline = false) =>
       address(`${of(recording, "")}/report`, { lang, inline: inline ? 1 : null }),
   };

@@ -104,6 +104,10 @@ export type Found = Schemas["FoundResponse"];
 export type KeptSearch = Schemas["KeptSearch"];
 export type Searches = Schemas["SearchList"];
 
+export type Trip = Schemas["TripResponse"];
+export type TripSums = Schemas["TripSums"];
+export type TripWay = Schemas["WayInfo"];
+
 export type Recording = Schemas["RecordingInfo"];
 export type Recordings = Schemas["RecordingsResponse"];
 export type References = Schemas["ReferencesResponse"];
