@@ -28,7 +28,7 @@ POSITIVE = 0x40
 REFUSED = 0x7F
 
 
-class Message(NamedTuple):
+class KwpMessage(NamedTuple):
     """One message; without addresses they are None."""
 
     data: bytes
@@ -44,7 +44,7 @@ def encode(data: bytes, target: int = ENGINE, source: int = TESTER) -> bytes:
     return body + bytes([sum(body) & 0xFF])
 
 
-def decode(received: bytes) -> Message | None:
+def decode(received: bytes) -> KwpMessage | None:
     """Return the message that `received` begins with; None: it is none, or not whole."""
     if not received:
         return None
@@ -59,10 +59,10 @@ def decode(received: bytes) -> Message | None:
     if not length or len(received) <= end or sum(received[:end]) & 0xFF != received[end]:
         return None
     target, source = (received[1], received[2]) if addressed else (None, None)
-    return Message(received[begin:end], target, source, end + 1)
+    return KwpMessage(received[begin:end], target, source, end + 1)
 
 
-def find(received: bytes) -> Message | None:
+def find(received: bytes) -> KwpMessage | None:
     """Return the first message in `received`; bytes before it are noise."""
     for at in range(len(received)):
         if (message := decode(received[at:])) is not None:

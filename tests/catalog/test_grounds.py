@@ -7,7 +7,7 @@ import pytest
 from mikas.catalog import Confidence, grounds, load, shipped
 from mikas.catalog import evidence as evidence_module
 from mikas.catalog.evidence import Agreement, EvidenceTable, Sighting
-from mikas.catalog.grounds import Part, grounds_of, named, parameter_grounds
+from mikas.catalog.grounds import GroundsPart, grounds_of, named, parameter_grounds
 from mikas.commands import COMMANDS_BY_CODE
 from mikas.errors import UsageError
 from mikas.i18n import Text
@@ -48,9 +48,9 @@ def test_a_parameter_has_its_clause_s_words_and_the_catalog_s_confidence() -> No
     assert "5.2 + b/20" in found.siblings.en
     assert found.confidence is Confidence.REPORTED
     assert found.parts == (
-        Part("reference", Confidence.UNCONFIRMED),
-        Part("limits", Confidence.REPORTED, "S1, faults 25 and 26"),
-        Part("meaning", Confidence.UNCONFIRMED, "own knowledge"),
+        GroundsPart("reference", Confidence.UNCONFIRMED),
+        GroundsPart("limits", Confidence.REPORTED, "S1, faults 25 and 26"),
+        GroundsPart("meaning", Confidence.UNCONFIRMED, "own knowledge"),
     )
     assert parameter_grounds(shipped().parameter("UACC")) == found
     assert BY_NAME["UGB"].parts == ()
@@ -59,11 +59,11 @@ def test_a_parameter_has_its_clause_s_words_and_the_catalog_s_confidence() -> No
 def test_a_fault_a_model_and_a_channel_have_those_of_their_entries() -> None:
     fault = BY_NAME["fault 13"]
     assert (fault.sources, fault.confidence) == (("S1",), Confidence.REPORTED)
-    assert fault.parts == (Part("check", Confidence.UNCONFIRMED),)
+    assert fault.parts == (GroundsPart("check", Confidence.UNCONFIRMED),)
     assert BY_NAME["model 0A"].source.en == "§3"
     duty = BY_NAME["DUTY"]
     assert duty.source.en == "facts: arithmetic"
-    assert duty.parts == (Part("limits", Confidence.UNCONFIRMED, "arithmetic"),)
+    assert duty.parts == (GroundsPart("limits", Confidence.UNCONFIRMED, "arithmetic"),)
     assert shipped().instruments
     for name, channel in shipped().instruments.items():
         assert BY_NAME[name].source.en == channel.source

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from mikas.catalog import shipped
 from mikas.drives import Trip, joined_trips, since_mark, trips
-from mikas.drives.curves import Curve, sampled_curve
+from mikas.drives.curves import SampledCurve, sampled_curve
 from mikas.drives.finding import drives_of
 from mikas.drives.measuring import DriveCurves
 from mikas.drives.wording import NO_FUEL, NO_SPEED, SHORT, left_out
@@ -145,7 +145,7 @@ def _curve(draw, most):
     times = draw(_times)
     value = st.one_of(st.integers(0, most), st.just(float("nan")))
     values = draw(st.lists(value, min_size=len(times), max_size=len(times)))
-    return Curve(times, np.array(values, np.float64), 2.0)
+    return SampledCurve(times, np.array(values, np.float64), 2.0)
 
 
 @st.composite
@@ -178,7 +178,7 @@ def test_splitting_a_drive_changes_no_sum(curves, moments):
 
 @given(_curve(100), st.floats(0.1, 50))
 def test_the_curve_meets_its_samples_and_is_unknown_in_a_pause(curve, longest):
-    known = Curve(curve.times, curve.values, longest)
+    known = SampledCurve(curve.times, curve.values, longest)
     pieces = known.over(curve.times)
     for at, step in enumerate(np.diff(curve.times)):
         ends = curve.values[at], curve.values[at + 1]

@@ -9,7 +9,7 @@ from mikas.framing import checksum
 from mikas.survey.concluding.codes import moves_of
 from mikas.survey.concluding.streams import slope_of
 from mikas.survey.steps.checksums import listed_codes
-from mikas.survey.steps.greatest import MOST, Outcome, greatest
+from mikas.survey.steps.greatest import MOST, CountedResponse, greatest
 
 FORMS = st.sampled_from(["short", "01", "silent", "other"])
 
@@ -19,11 +19,11 @@ def test_the_greatest_number_is_found_and_never_passed_by_far(limit, form):
     """A unit without a check of its own is asked for little more than it takes."""
     asked = []
 
-    def ask(count: int) -> Outcome:
+    def ask(count: int) -> CountedResponse:
         asked.append(count)
         if count <= limit:
-            return Outcome(count, None)
-        return Outcome(limit if form == "short" else 0, form)
+            return CountedResponse(count, None)
+        return CountedResponse(limit if form == "short" else 0, form)
 
     found = greatest(ask)
     assert found == {"limit": limit, "beyond": None if limit == MOST else form}
@@ -33,7 +33,7 @@ def test_the_greatest_number_is_found_and_never_passed_by_far(limit, form):
 
 @given(FORMS)
 def test_a_unit_that_takes_nothing_has_no_limit(form):
-    found = greatest(lambda _: Outcome(0, form))
+    found = greatest(lambda _: CountedResponse(0, form))
     assert found == {"limit": None, "beyond": form}
 
 

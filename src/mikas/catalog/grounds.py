@@ -25,7 +25,7 @@ from mikas.i18n import Text
 from mikas.json_values import json_of, picked
 from mikas.options import nearest
 
-__all__ = ["Grounds", "Part", "grounds_of", "named", "parameter_grounds"]
+__all__ = ["Grounds", "GroundsPart", "grounds_of", "named", "parameter_grounds"]
 
 Kind = Literal["clause", "decision", "command", "parameter", "erratum", "channel", "fault", "model"]
 _COMMAND: Final = re.compile(r"[0-9A-F]{2}")
@@ -33,7 +33,7 @@ _LAW: Final = "§4"  # the source of a parameter of the protocol
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class GroundsPart:
     """Another statement of an entry, with a source and a confidence of its own."""
 
     name: Literal["reference", "limits", "meaning", "check"]
@@ -62,7 +62,7 @@ class Grounds:
     """The keys of the public pages that a fault's text is from."""
     confidence: Confidence | None = None
     """How well it is known; None: `source` says it in words."""
-    parts: tuple[Part, ...] = ()
+    parts: tuple[GroundsPart, ...] = ()
     """Its statements with a source of their own."""
     sightings: tuple[Sighting, ...] = ()
     """What units that were met have shown; empty: none was met."""
@@ -159,17 +159,17 @@ def _parameter(parameter: Parameter, known: EvidenceTable) -> Grounds:
     )
 
 
-def _parts(parameter: Parameter) -> Iterator[Part]:
+def _parts(parameter: Parameter) -> Iterator[GroundsPart]:
     if parameter.reference:
-        yield Part("reference", parameter.reference_confidence)
+        yield GroundsPart("reference", parameter.reference_confidence)
     yield from _limits(parameter.alarm_limits)
     if meaning := parameter.meaning:
-        yield Part("meaning", meaning.confidence, meaning.source)
+        yield GroundsPart("meaning", meaning.confidence, meaning.source)
 
 
-def _limits(limits: AlarmLimits | None) -> Iterator[Part]:
+def _limits(limits: AlarmLimits | None) -> Iterator[GroundsPart]:
     if limits:
-        yield Part("limits", limits.confidence, limits.source)
+        yield GroundsPart("limits", limits.confidence, limits.source)
 
 
 def _channel(channel: Derived | InstrumentChannel) -> Grounds:
@@ -186,7 +186,7 @@ def _fault(fault: Fault, known: EvidenceTable) -> Grounds:
         fault.text,
         sources=fault.sources,
         confidence=fault.confidence,
-        parts=(Part("check", fault.check_confidence),) if fault.check.en else (),
+        parts=(GroundsPart("check", fault.check_confidence),) if fault.check.en else (),
         sightings=known.sightings_of(name),
     )
 

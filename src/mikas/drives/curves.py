@@ -22,7 +22,7 @@ _LONGEST: Final = 10.0  # s: one request a code, to a unit that needs 0.5 s for 
 
 
 @dataclass(frozen=True, slots=True)
-class Pieces:
+class CurveIntervals:
     """A curve over adjacent intervals: its value at the begin and at the end of each.
 
     Both are NaN where the curve is unknown. `first`: the value of the sample before the interval.
@@ -46,7 +46,7 @@ class Pieces:
 
 
 @dataclass(frozen=True, slots=True)
-class Curve:
+class SampledCurve:
     """Samples of one channel, times rising. A NaN ends what is known before it.
 
     `longest`: seconds between two samples of which the values between are known.
@@ -56,14 +56,14 @@ class Curve:
     values: Floats
     longest: float
 
-    def over(self, edges: Floats) -> Pieces:
+    def over(self, edges: Floats) -> CurveIntervals:
         """Return the curve between each two neighbours of `edges`.
 
         `edges` rise, and hold all times of samples between the first and the last of them.
         """
         if len(self.times) < 2 or len(edges) < 2:
             nothing = np.full(max(0, len(edges) - 1), np.nan)
-            return Pieces(nothing, nothing, nothing, nothing)
+            return CurveIntervals(nothing, nothing, nothing, nothing)
         middles = edges[:-1] * 0.5 + edges[1:] * 0.5
         place = np.searchsorted(self.times, middles, "right") - 1
         inside = (place >= 0) & (place < len(self.times) - 1)
@@ -76,7 +76,7 @@ class Curve:
         slope = (last - first) / np.where(step > 0, step, 1.0)
         begins = first + slope * (edges[:-1] - begin)
         ends = first + slope * (edges[1:] - begin)
-        return Pieces(
+        return CurveIntervals(
             np.where(inside, begins, np.nan),
             np.where(inside, ends, np.nan),
             np.where(inside, first, np.nan),
@@ -94,17 +94,17 @@ class Curve:
         values: Floats = np.where(is_fresh, self.values[before], np.nan)
         return values
 
-    def since(self, time: float) -> Curve:
+    def since(self, time: float) -> SampledCurve:
         """Return what it has from a time on."""
         inside = self.times >= time
-        return Curve(self.times[inside], self.values[inside], self.longest)
+        return SampledCurve(self.times[inside], self.values[inside], self.longest)
 
 
-def sampled_curve(times: Floats, values: Floats) -> Curve:
+def sampled_curve(times: Floats, values: Floats) -> SampledCurve:
     """Return the curve of a channel of the unit. A NaN: not in this response."""
     there = np.isfinite(values)
     times, values = times[there], values[there]
     steps = np.diff(times)
     steps = steps[steps > 0]
     usual = float(np.median(steps)) if len(steps) else 0.0
-    return Curve(times, values, min(_LONGEST, max(PAUSE, _ALIKE * usual)))
+    return SampledCurve(times, values, min(_LONGEST, max(PAUSE, _ALIKE * usual)))

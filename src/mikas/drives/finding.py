@@ -15,7 +15,7 @@ import numpy as np
 
 from mikas.cancellation import check_cancelled
 from mikas.catalog.ignition_only import RUNNING
-from mikas.drives.curves import Curve, sampled_curve
+from mikas.drives.curves import SampledCurve, sampled_curve
 from mikas.drives.measuring import DriveCurves
 from mikas.drives.trip import Trip
 from mikas.errors import usage_error
@@ -177,7 +177,7 @@ def _rising(stretches: Iterable[Rows]) -> Iterator[Rows]:
         yield joined_rows(waiting)
 
 
-def _curves(session: int, rows: Rows, speed: Curve | None) -> DriveCurves:
+def _curves(session: int, rows: Rows, speed: SampledCurve | None) -> DriveCurves:
     read = {
         name: sampled_curve(rows.times, column)
         for name, column in rows.values.items()
@@ -194,7 +194,7 @@ def _curves(session: int, rows: Rows, speed: Curve | None) -> DriveCurves:
     )
 
 
-def instrument_curve(recording: Recording, session: int, name: str) -> Curve | None:
+def instrument_curve(recording: Recording, session: int, name: str) -> SampledCurve | None:
     """Return what an instrument measured in a session; None without one.
 
     Of several labelled ones the first that has values counts.
@@ -204,11 +204,11 @@ def instrument_curve(recording: Recording, session: int, name: str) -> Curve | N
             continue
         found = recording.instrument_samples(channel, session)
         if found is not None and len(found.times):
-            return Curve(found.times, found.values, found.stale)
+            return SampledCurve(found.times, found.values, found.stale)
     return None
 
 
-def _runs(rpm: Curve) -> Iterator[tuple[float, float]]:
+def _runs(rpm: SampledCurve) -> Iterator[tuple[float, float]]:
     """Yield the begin and the end of each time in which the engine runs."""
     times, runs = rpm.times, rpm.values >= RUNNING
     if not len(times):

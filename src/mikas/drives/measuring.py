@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from mikas.drives.curves import Curve, Pieces
+from mikas.drives.curves import CurveIntervals, SampledCurve
 from mikas.drives.trip import Trip
 from mikas.recording.exchanges.arrays import Floats, Mask
 
@@ -23,11 +23,11 @@ class DriveCurves:
     """
 
     session: int
-    rpm: Curve
-    fuel: Curve | None = None
+    rpm: SampledCurve
+    fuel: SampledCurve | None = None
     fuel_from: str | None = None
-    speed: Curve | None = None
-    idle: Curve | None = None
+    speed: SampledCurve | None = None
+    idle: SampledCurve | None = None
 
     def trip(self, begin: float, end: float) -> Trip:
         """Return the sums from `begin` to `end`, of a time in which the engine runs."""
@@ -84,29 +84,29 @@ def _edges(times: list[Floats], begin: float, end: float) -> Floats:
     return edges
 
 
-def _integral(pieces: Pieces | None, steps: Floats, unit: float) -> tuple[float, float]:
+def _integral(intervals: CurveIntervals | None, steps: Floats, unit: float) -> tuple[float, float]:
     """Return the seconds in which the curve is known, and its integral over them."""
-    if pieces is None:
+    if intervals is None:
         return 0.0, 0.0
-    known = pieces.known
-    return float(steps[known].sum()), _sum(pieces.means, known, steps) / unit
+    known = intervals.known
+    return float(steps[known].sum()), _sum(intervals.means, known, steps) / unit
 
 
 def _sum(means: Floats, chosen: Mask, steps: Floats) -> float:
     return float((means[chosen] * steps[chosen]).sum())
 
 
-def _highest(pieces: Pieces | None) -> float | None:
-    if pieces is None:
+def _highest(intervals: CurveIntervals | None) -> float | None:
+    if intervals is None:
         return None
-    known = pieces.known
+    known = intervals.known
     if not known.any():
         return None
-    return max(float(pieces.begins[known].max()), float(pieces.ends[known].max()))
+    return max(float(intervals.begins[known].max()), float(intervals.ends[known].max()))
 
 
 def _standing(
-    rpm: Pieces, speed: Pieces | None, idle: Pieces | None, count: int
+    rpm: CurveIntervals, speed: CurveIntervals | None, idle: CurveIntervals | None, count: int
 ) -> tuple[Mask, Mask]:
     """Return the intervals in which the car stood, and those of which that is known.
 

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from mikas.catalog.ignition_only import RUNNING
-from mikas.drives.curves import PAUSE, Curve
+from mikas.drives.curves import PAUSE, SampledCurve
 from mikas.drives.finding import column_of, instrument_curve, session_rows
 from mikas.recording.exchanges.arrays import Floats, Mask
 from mikas.recording.table.channels import Rows
@@ -135,11 +135,11 @@ def mixture_of_live(rows: Rows) -> MixtureComparison | None:
     # Each row has the meter's latest value: of ten in a second each counts about once.
     ticks = np.floor(rows.times * 10)
     chosen = np.concatenate((np.ones(1, np.bool_), np.diff(ticks) != 0))[: len(ticks)]
-    curve = Curve(rows.times[chosen], rows.values[meter][chosen], PAUSE)
+    curve = SampledCurve(rows.times[chosen], rows.values[meter][chosen], PAUSE)
     return _compared([rows], load, curve)
 
 
-def _compared(stretches: Iterable[Rows], load: str, meter: Curve) -> MixtureComparison:
+def _compared(stretches: Iterable[Rows], load: str, meter: SampledCurve) -> MixtureComparison:
     known_values = np.isfinite(meter.values)
     times, measured = meter.times[known_values], meter.values[known_values]
     pieces: list[_Values] = []

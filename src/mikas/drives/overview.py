@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from math import inf
 from typing import TYPE_CHECKING, Final
 
-from mikas.drives.curves import Curve, sampled_curve
+from mikas.drives.curves import SampledCurve, sampled_curve
 from mikas.drives.finding import SPEED, instrument_curve, session_rows, trips, trips_of_live
 from mikas.drives.mixture import MixtureComparison, compared_mixture, mixture_of_live
 from mikas.drives.trip import Trip
@@ -74,7 +74,7 @@ def _or_why(find: Callable[[], list[Trip]]) -> tuple[list[Trip], Text | None]:
         return [], error.text
 
 
-def _colours(recording: Recording, name: str) -> dict[int, Curve]:
+def _colours(recording: Recording, name: str) -> dict[int, SampledCurve]:
     """Return the curve of the channel in each session."""
     sessions = sorted(recording.raw.spans)
     beside = {number: instrument_curve(recording, number, name) for number in sessions}

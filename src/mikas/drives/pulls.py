@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from mikas.catalog.ignition_only import RUNNING
-from mikas.drives.curves import PAUSE, Curve, sampled_curve
+from mikas.drives.curves import PAUSE, SampledCurve, sampled_curve
 from mikas.drives.finding import SPEED, instrument_curve, session_rows
 from mikas.errors import usage_error
 from mikas.recording.exchanges.arrays import Floats
@@ -134,7 +134,7 @@ def pulls(recording: Recording, settings: PullSettings) -> list[Pull]:
         if throttle is not None and not len(throttle.times):
             throttle = None
         for first, last in _stretches(rpm, throttle):
-            stretch = Curve(rpm.times[first:last], rpm.values[first:last], rpm.longest)
+            stretch = SampledCurve(rpm.times[first:last], rpm.values[first:last], rpm.longest)
             pull = _pull(recording, source.recording, stretch, settings)
             if pull is not None:
                 found.append(replace(pull, throttle_known=throttle is not None))
@@ -145,7 +145,7 @@ def _has_speed(recording: Recording) -> bool:
     return any(each.startswith(SPEED) for each in recording.instrument_channels)
 
 
-def _stretches(rpm: Curve, throttle: Curve | None) -> Iterator[tuple[int, int]]:
+def _stretches(rpm: SampledCurve, throttle: SampledCurve | None) -> Iterator[tuple[int, int]]:
     """Yield the rows of each rise of the engine's speed at full throttle."""
     is_full = rpm.values >= RUNNING
     if throttle is not None:
@@ -180,7 +180,9 @@ def _is_pull(at: Sequence[float], speeds: Sequence[float], first: int, last: int
     return seconds >= LEAST_LENGTH and rise >= max(LEAST_RISE, _SLOWEST * seconds)
 
 
-def _pull(recording: Recording, session: int, rpm: Curve, settings: PullSettings) -> Pull | None:
+def _pull(
+    recording: Recording, session: int, rpm: SampledCurve, settings: PullSettings
+) -> Pull | None:
     """Return the pull of a stretch; None if the receiver gave too little of it."""
     source, slip = "FREQ", 0.0
     per_1000 = settings.per_1000
@@ -192,7 +194,9 @@ def _pull(recording: Recording, session: int, rpm: Curve, settings: PullSettings
         source = SPEED
         inside = (received.times >= rpm.times[0]) & (received.times <= rpm.times[-1])
         inside = inside & np.isfinite(received.values)
-        speed = Curve(received.times[inside], received.values[inside] / 3.6, received.longest)
+        speed = SampledCurve(
+            received.times[inside], received.values[inside] / 3.6, received.longest
+        )
         if len(speed.times) < 4:
             return None
         place = np.searchsorted(rpm.times, speed.times, "right") - 1
@@ -203,7 +207,7 @@ def _pull(recording: Recording, session: int, rpm: Curve, settings: PullSettings
         ends = float(np.percentile(gears, 90)) - float(np.percentile(gears, 10))
         slip = ends / per_1000
     else:
-        speed = Curve(rpm.times, rpm.values * (per_1000 / 3600), rpm.longest)
+        speed = SampledCurve(rpm.times, rpm.values * (per_1000 / 3600), rpm.longest)
     points = tuple(_binned(_measured(rpm, speed, source, per_1000, settings)))
     if not points:
         return None
@@ -211,7 +215,7 @@ def _pull(recording: Recording, session: int, rpm: Curve, settings: PullSettings
 
 
 def _measured(
-    rpm: Curve, speed: Curve, source: str, per_1000: float, settings: PullSettings
+    rpm: SampledCurve, speed: SampledCurve, source: str, per_1000: float, settings: PullSettings
 ) -> Iterator[PullPoint]:
     """Yield a point for each time at which speed and acceleration could be fitted."""
     width = _FIT[source]
@@ -227,7 +231,7 @@ def _measured(
             yield PullPoint(turning[0], fitted[0] * 3.6, power, torque, doubt)
 
 
-def _fit(curve: Curve, middle: float, width: float) -> tuple[float, float, float] | None:
+def _fit(curve: SampledCurve, middle: float, width: float) -> tuple[float, float, float] | None:
     """Return value, slope and the slope's standard error of a straight line around `middle`."""
     inside = np.abs(curve.times - middle) <= width / 2 + 1e-9
     times, values = curve.times[inside] - middle, curve.values[inside]

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from mikas.drives.curves import PAUSE, Curve, sampled_curve
+from mikas.drives.curves import PAUSE, SampledCurve, sampled_curve
 from mikas.drives.finding import SPEED, column_of, instrument_curve
 from mikas.recording.exchanges.arrays import Floats, Mask
 from mikas.recording.table.channels import Rows
@@ -23,7 +23,7 @@ LONGITUDE: Final = "GPS_LON"
 _DEGREE: Final = 111_195.0  # m of a degree of latitude
 _PAUSE: Final = 10.0  # s between two places that no line joins
 
-_NOTHING: Final = Curve(np.zeros(0), np.zeros(0), 0.0)
+_NOTHING: Final = SampledCurve(np.zeros(0), np.zeros(0), 0.0)
 
 Place = tuple[float, float]
 """Latitude and longitude, in degrees."""
@@ -49,7 +49,7 @@ def way_of(recording: Recording, session: int) -> list[WayStretch]:
 
 
 def way_since(
-    recording: Recording, colours: Mapping[int, Curve], since: Marker | None = None
+    recording: Recording, colours: Mapping[int, SampledCurve], since: Marker | None = None
 ) -> list[WayStretch]:
     """Return the way of all sessions, from a mark on; `colours`: by session."""
     home: Place | None = None
@@ -82,12 +82,15 @@ def way_of_rows(rows: Rows, colour: str, since: float = -inf) -> list[WayStretch
     chosen = np.concatenate((begins, is_new))[: len(rows.times)]
     times = rows.times[chosen]
     shown = column_of(rows, colour)
-    found = Curve(times, latitude[chosen], PAUSE), Curve(times, longitude[chosen], PAUSE)
+    found = (
+        SampledCurve(times, latitude[chosen], PAUSE),
+        SampledCurve(times, longitude[chosen], PAUSE),
+    )
     values = sampled_curve(rows.times, rows.values[shown]) if shown else None
     return stretches_of(found[0].since(since), found[1].since(since), values)
 
 
-def first_place(latitude: Curve, longitude: Curve) -> Place | None:
+def first_place(latitude: SampledCurve, longitude: SampledCurve) -> Place | None:
     """Return the first place that is known."""
     there = np.flatnonzero(np.isfinite(latitude.values) & np.isfinite(longitude.values))
     if not len(there):
@@ -97,7 +100,10 @@ def first_place(latitude: Curve, longitude: Curve) -> Place | None:
 
 
 def stretches_of(
-    latitude: Curve, longitude: Curve, colour: Curve | None, home: Place | None = None
+    latitude: SampledCurve,
+    longitude: SampledCurve,
+    colour: SampledCurve | None,
+    home: Place | None = None,
 ) -> list[WayStretch]:
     """Return the stretches of places. `home`: where metres count from; None: the first place."""
     home = home or first_place(latitude, longitude)
@@ -113,14 +119,16 @@ def stretches_of(
     ]
 
 
-def _places(recording: Recording, session: int) -> tuple[Curve, Curve] | None:
+def _places(recording: Recording, session: int) -> tuple[SampledCurve, SampledCurve] | None:
     """Return both coordinates of the first receiver that gives them together."""
     for channel in recording.instrument_channels:
         if channel != LATITUDE and not channel.startswith(f"{LATITUDE}_"):
             continue
         pair = (channel, f"{LONGITUDE}{channel[len(LATITUDE) :]}")
         both = [recording.instrument_samples(name, session) for name in pair]
-        curves = [Curve(each.times, each.values, each.stale) for each in both if each is not None]
+        curves = [
+            SampledCurve(each.times, each.values, each.stale) for each in both if each is not None
+        ]
         if len(curves) == 2 and np.array_equal(curves[0].times, curves[1].times):
             return curves[0], curves[1]
     return None

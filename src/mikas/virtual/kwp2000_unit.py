@@ -111,7 +111,7 @@ class Kwp2000Unit:
                 self._answers.append((at, bytes([value])))
                 at += _BYTE + _W2
 
-    def _answer(self, message: kwp2000.Message, end: float) -> None:
+    def _answer(self, message: kwp2000.KwpMessage, end: float) -> None:
         if message.target not in (None, kwp2000.ENGINE, kwp2000.OBD):
             return
         service = message.data[:1]

@@ -14,14 +14,14 @@ from typing import Any, BinaryIO, Final
 
 from mikas.recording.export.gpx import utc
 from mikas.recording.export.sheet import Moment, Sheet, program
-from mikas.recording.export.track import PlacedMoments, Track, TrackPoint
+from mikas.recording.export.track import GpsTrack, PlacedMoments, TrackPoint
 
 _CLOSE: Final = b"\n]}\n"
 
 
 def write(path: Path, sheet: Sheet) -> None:
     """Write the whole sheet. Raises `ExportError` if it has no position."""
-    track = Track(path, sheet)
+    track = GpsTrack(path, sheet)
     moments = PlacedMoments(sheet.moments)
     with path.open("wb") as file:
         collection = _Collection(file, track, sheet)
@@ -37,7 +37,7 @@ def write(path: Path, sheet: Sheet) -> None:
 class _Collection:
     """The features of a file, as they come; a line is written where it ends."""
 
-    def __init__(self, file: BinaryIO, track: Track, sheet: Sheet) -> None:
+    def __init__(self, file: BinaryIO, track: GpsTrack, sheet: Sheet) -> None:
         self._file = file
         self._track = track
         self._separator = b"\n"

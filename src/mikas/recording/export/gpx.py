@@ -19,7 +19,7 @@ from typing import Final
 from mikas.cleaning import clean_line
 from mikas.recording.export.csv import shortest
 from mikas.recording.export.sheet import Moment, Sheet, program
-from mikas.recording.export.track import PlacedMoments, Track, TrackPoint
+from mikas.recording.export.track import GpsTrack, PlacedMoments, TrackPoint
 
 NAMESPACE: Final = "https://github.com/mikas-diagnostics/mikas"
 _GARMIN: Final = "http://www.garmin.com/xmlschemas/TrackPointExtension/v2"
@@ -28,7 +28,7 @@ _NOT_IN_NAMES: Final = re.compile(r"[^\w.-]")
 
 def write(path: Path, sheet: Sheet) -> None:
     """Write the whole sheet. Raises `ExportError` if it has no position."""
-    track = Track(path, sheet)
+    track = GpsTrack(path, sheet)
     moments = PlacedMoments(sheet.moments)
     places: list[str] = []
     # Its places stand before the track, and are known only after it.
@@ -61,7 +61,7 @@ def _head(sheet: Sheet) -> str:
     )
 
 
-def _track_head(track: Track, sheet: Sheet) -> str:
+def _track_head(track: GpsTrack, sheet: Sheet) -> str:
     units = ", ".join(
         f"{_element(channel.name)}: {channel.text.to(sheet.language)}"
         + (f" ({unit})" if (unit := channel.unit_in(sheet.language)) else "")
@@ -71,7 +71,7 @@ def _track_head(track: Track, sheet: Sheet) -> str:
     return f"<trk><name>{escape(name)}</name><desc>{escape(clean_line(units))}</desc>\n"
 
 
-def _place(track: Track, sheet: Sheet, moment: Moment, point: TrackPoint) -> str:
+def _place(track: GpsTrack, sheet: Sheet, moment: Moment, point: TrackPoint) -> str:
     text = escape(clean_line(moment.text.to(sheet.language)))
     return (
         f"<wpt {_coordinates(point)}>{_height(point)}{_time(track.moment_of(moment.time))}"
@@ -79,7 +79,7 @@ def _place(track: Track, sheet: Sheet, moment: Moment, point: TrackPoint) -> str
     )
 
 
-def _point(track: Track, point: TrackPoint) -> str:
+def _point(track: GpsTrack, point: TrackPoint) -> str:
     values = "".join(
         f"<mikas:{(name := _element(channel))}>{shortest(value)}</mikas:{name}>"
         for channel, value in point.values.items()

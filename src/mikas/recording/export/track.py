@@ -43,7 +43,7 @@ class TrackPoint:
     """What was measured within the second before, by channel."""
 
 
-class Track:
+class GpsTrack:
     """The points of a sheet. Raises `ExportError` if it has no position."""
 
     def __init__(self, path: Path, sheet: Sheet) -> None:

@@ -12,7 +12,7 @@ from mikas import commands as c
 from mikas import errors
 from mikas.client.support import try_commands
 from mikas.survey.person import Prompter
-from mikas.survey.steps.greatest import Outcome, greatest
+from mikas.survey.steps.greatest import CountedResponse, greatest
 from mikas.survey.steps.step import Measured
 from mikas.survey.unit import SurveyedUnit
 
@@ -62,9 +62,11 @@ def blocks(unit: SurveyedUnit, measured: Measured, person: Prompter) -> None:
     measured["blocks"] = found
 
 
-def _block(unit: SurveyedUnit, code: int, address: int, overhead: int, count: int) -> Outcome:
+def _block(
+    unit: SurveyedUnit, code: int, address: int, overhead: int, count: int
+) -> CountedResponse:
     reply = unit.ask(bytes([code, *bytes(address), count]))
-    return Outcome.of(reply, count, overhead=overhead)
+    return CountedResponse.of(reply, count, overhead=overhead)
 
 
 def _counted(unit: SurveyedUnit, code: int, address: int) -> bool | None:

@@ -17,7 +17,7 @@ _FIRST: Final = (2, 4, 8, 16, 32, 64, 128, MOST)
 
 
 @dataclass(frozen=True, slots=True)
-class Outcome:
+class CountedResponse:
     """The response to a request for a number of things.
 
     `count`: of those that came; `form`: None if all, else `short`, `01`, `silent` or `other`.
@@ -28,7 +28,7 @@ class Outcome:
 
     @classmethod
     def of(cls, reply: Reply | None, count: int, *, size: int = 1, overhead: int = 0) -> Self:
-        """Return the outcome of a response that repeats `overhead` bytes before `size` bytes each.
+        """Return what came, of a response with `overhead` bytes repeated, then `size` bytes each.
 
         None is silence.
         """
@@ -43,7 +43,7 @@ class Outcome:
 
 
 def greatest(
-    ask: Callable[[int], Outcome], progress: Callable[[int], None] = lambda _: None
+    ask: Callable[[int], CountedResponse], progress: Callable[[int], None] = lambda _: None
 ) -> dict[str, Any]:
     """Return the greatest number that comes whole, and the form of the response to a greater one.
 
@@ -54,17 +54,17 @@ def greatest(
     while bad - good > 1:
         following = next((number for number in _FIRST if number > good), MOST)
         number = following if bad > MOST else (good + bad) // 2
-        outcome = ask(number)
+        response = ask(number)
         tried += 1
         progress(tried)
-        if outcome.form is None:
+        if response.form is None:
             good = number
             continue
-        bad, beyond = number, outcome.form
-        if outcome.form == "short" and outcome.count > good and _comes(ask, outcome.count):
-            good, bad = outcome.count, outcome.count + 1
+        bad, beyond = number, response.form
+        if response.form == "short" and response.count > good and _comes(ask, response.count):
+            good, bad = response.count, response.count + 1
     return {"limit": good or None, "beyond": beyond}
 
 
-def _comes(ask: Callable[[int], Outcome], number: int) -> bool:
+def _comes(ask: Callable[[int], CountedResponse], number: int) -> bool:
     return ask(number).form is None

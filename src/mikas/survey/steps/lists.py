@@ -12,7 +12,7 @@ from typing import Any, Final
 from mikas import commands as c
 from mikas import errors
 from mikas.survey.person import Prompter
-from mikas.survey.steps.greatest import MOST, Outcome, greatest
+from mikas.survey.steps.greatest import MOST, CountedResponse, greatest
 from mikas.survey.steps.step import Measured
 from mikas.survey.unit import SurveyedUnit
 
@@ -38,42 +38,42 @@ def lists(unit: SurveyedUnit, measured: Measured, person: Prompter) -> None:
     measured["list_bytes"] = _takes_as_many_words(unit, found["61"]["limit"])
 
 
-def _read(unit: SurveyedUnit, datum: c.Datum, count: int) -> Outcome:
+def _read(unit: SurveyedUnit, datum: c.Datum, count: int) -> CountedResponse:
     reply = unit.ask(bytes([0x61, *[datum.code] * count]))
-    return Outcome.of(reply, count)
+    return CountedResponse.of(reply, count)
 
 
-def _set(unit: SurveyedUnit, datum: c.Datum, count: int) -> Outcome:
+def _set(unit: SurveyedUnit, datum: c.Datum, count: int) -> CountedResponse:
     reply = unit.ask(bytes([0x64, *[datum.code] * count]))
     if reply is None:
-        return Outcome(0, "silent")
+        return CountedResponse(0, "silent")
     if reply.body == b"\x00":
-        return Outcome(count, None)
-    return Outcome(0, "01" if reply.body == b"\x01" else "other")
+        return CountedResponse(count, None)
+    return CountedResponse(0, "01" if reply.body == b"\x01" else "other")
 
 
-def _stream(unit: SurveyedUnit, datum: c.Datum, count: int) -> Outcome:
+def _stream(unit: SurveyedUnit, datum: c.Datum, count: int) -> CountedResponse:
     """Start a stream (71), take its first response, and end it; silence is tried twice."""
     command = c.StreamCyclic((datum,) * count)
     line = unit.tester.line
     seconds = line.timing.response_timeout + line.timing.inter_byte_timeout
     for _ in range(2):
-        outcome = Outcome(0, "silent")
+        response = CountedResponse(0, "silent")
         with unit.tester.stream(command) as stream:
             try:
                 deadline = line.sent_until + seconds + 3 * count * unit.tester.link.byte_time
                 if stream.read(deadline, raise_errors=True) is not None:
-                    outcome = Outcome(count, None)
+                    response = CountedResponse(count, None)
             except errors.NotSupported:
-                outcome = Outcome(0, "01")
+                response = CountedResponse(0, "01")
             except errors.WrongLength as error:
                 came = len(error.received or b"")
-                outcome = Outcome(came, "short" if 0 < came < count else "other")
+                response = CountedResponse(came, "short" if 0 < came < count else "other")
             except errors.LineError:
-                outcome = Outcome(0, "other")
-        if outcome.form not in ("silent", "other"):
+                response = CountedResponse(0, "other")
+        if response.form not in ("silent", "other"):
             break
-    return outcome
+    return response
 
 
 _LISTS: Final = {"61": _read, "64": _set, "71": _stream}
@@ -85,4 +85,4 @@ def _takes_as_many_words(unit: SurveyedUnit, limit: object) -> bool | None:
     if not words or not isinstance(limit, int) or not 1 < limit < MOST:
         return None
     reply = unit.ask(bytes([0x61, *[words[0]] * limit]))
-    return Outcome.of(reply, limit, size=2).form is None
+    return CountedResponse.of(reply, limit, size=2).form is None

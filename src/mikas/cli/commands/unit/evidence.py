@@ -23,7 +23,7 @@ from mikas.saving import save
 
 if TYPE_CHECKING:
     from mikas.amendments import Amendment, Proposal
-    from mikas.catalog.grounds import Grounds, Part
+    from mikas.catalog.grounds import Grounds, GroundsPart
 
 _SURVEY: Final = ".zip"
 _AGREEMENTS: Final = {
@@ -190,7 +190,7 @@ def _rows(grounds: Grounds, *, parts: bool) -> Iterator[list[str]]:
         yield _part(part)
 
 
-def _part(part: Part) -> list[str]:
+def _part(part: GroundsPart) -> list[str]:
     name, sure = localized(_PARTS[part.name]), localized(CONFIDENCE[part.confidence])
     return ["", name, part.source, "", "", sure]
 
