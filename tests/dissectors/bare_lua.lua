@@ -10,10 +10,14 @@ setmetatable(anything, {
   __call = function() return anything end,
 })
 for _, name in ipairs({
-  "Proto", "ProtoExpert", "Pref", "Field", "DissectorTable", "base", "expert",
+  "ProtoExpert", "Pref", "Field", "DissectorTable", "base", "expert",
   "frametype", "wtap", "wtap_encaps",
 }) do
   _G[name] = anything
+end
+-- Each protocol has its own `init` and `dissector`.
+function Proto()
+  return setmetatable({}, getmetatable(anything))
 end
 FIELDS = {}
 ProtoField = setmetatable({

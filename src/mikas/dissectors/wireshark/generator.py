@@ -18,6 +18,7 @@ MARK: Final = "-- Mikas K-Line dissector for Wireshark, written by `mikas wiresh
 
 _PARTS: Final = (
     "fields", "framing", "meaning", "matching", "line", "words", "tree", "keeping", "dissector",
+    "instruments",
 )  # fmt: skip
 _HEAD: Final = """\
 {mark}

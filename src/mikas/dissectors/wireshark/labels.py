@@ -71,6 +71,11 @@ LABELS: Final[dict[str, Text]] = {
         "not said whether it was sent or received", "не указано, послано или принято"
     ),
     "expert_cut": Text("recorded without its last bytes", "записано без последних байтов"),
+    # Instruments beside the unit
+    "instrument": Text("instrument", "прибор"),
+    "instrument_line": Text("Line", "Строка"),
+    "instrument_bytes": Text("Bytes", "Байты"),
+    "instrument_unfinished": Text("goes on in the next packet", "продолжение в следующем пакете"),
     # Preferences
     "interpretation": Text("Interpretation", "Толкование"),
     "interpretation_help": Text(
