@@ -63,11 +63,33 @@ def test_a_derived_channel_of_both_has_values_live_and_the_same_recorded(
     assert noted >= {"AFR", "LEANER"}
 
 
-def test_without_the_instrument_the_derived_channel_has_no_value(mine: Path) -> None:
-    with mikas.session(CITY, ["FREQ", "LEANER"], duration=2, catalogs=mine) as session:
-        samples = list(session)
-    assert samples
-    assert all("LEANER" not in it.values for it in samples)
+def test_a_meter_with_a_label_and_one_of_ones_own_are_described_for_a_formula(
+    tmp_path: Path,
+) -> None:
+    mine = tmp_path / "mine.toml"
+    mine.write_text(
+        '[instrument.LAMBDA_LEFT]\ntext = "Left"\n[derived.X]\ntext = "X"\n'
+        'formula = "LAMBDA_LEFT - LAMBDA"\n',
+        encoding="utf-8",
+    )
+    with mikas.session(
+        CITY, ["FREQ", "X"], duration=3, catalogs=mine, instruments=("left:aem=sim:", "aem=sim:")
+    ) as session:
+        found = [it.values["X"] for it in session if "X" in it.values]
+    assert found
+    assert all(abs(value) < 0.1 for value in found)
+
+
+def test_without_the_instrument_the_derived_channel_is_refused(mine: Path) -> None:
+    with pytest.raises(UsageError, match="LEANER needs LAMBDA, which no instrument") as refused:
+        mikas.session(CITY, ["FREQ", "LEANER"], catalogs=mine)
+    assert "нужен LAMBDA" in refused.value.text.ru
+    with pytest.raises(UsageError, match="LEANER needs LAMBDA"):
+        mikas.session(CITY, ["LEANER"], catalogs=mine, instruments="left:aem=sim:")
+    with mikas.connect(CITY, catalogs=mine) as ecu:
+        with pytest.raises(UsageError, match="LAMBDA comes from an instrument"):
+            ecu.read("LEANER")
+        assert ecu.read("FREQ")["FREQ"].value > 0
 
 
 def test_what_instruments_alone_give_needs_a_parameter_of_the_unit(mine: Path) -> None:

@@ -10,7 +10,7 @@ from typing import Final, Unpack
 from mikas.catalog import load
 from mikas.client.connecting import ConnectionKeywords, ConnectionOptions, StrPath, named_port
 from mikas.client.parameters.polling import Method
-from mikas.errors import CaptureError
+from mikas.errors import CaptureError, usage_error
 from mikas.instruments.choosing import ChosenInstrument, check_beside, chosen_instruments
 from mikas.instruments.places import likely_beside
 from mikas.instruments.session_instruments import SessionInstruments
@@ -22,6 +22,7 @@ from mikas.recording.capture.instruments import CONNECTED, instrument_port, loss
 from mikas.recording.recorder import Recorder
 from mikas.sampling.acquisition import Acquisition
 from mikas.sampling.fault_watch import IN_STREAMS
+from mikas.sampling.plan import Selection
 from mikas.sampling.session import SamplingSession
 
 _OWN: Final = "own-link"  # the name of a port that `open_port` opens, in messages
@@ -71,6 +72,7 @@ def prepared(
         rate=length.rate,
         strict=not patient,
     )
+    _check_inputs(acquisition.selection, instruments)
     sampling = SamplingSession(recorder.record_event, in_streams=in_streams)
     sampling.wants_faults = wants_faults
     made = Session(
@@ -85,6 +87,20 @@ def prepared(
     if record is not None:
         recorder.start(record, url=port)
     return made
+
+
+def _check_inputs(selection: Selection, instruments: Sequence[ChosenInstrument]) -> None:
+    """Raise `UsageError` for a derived channel that needs an instrument which is not there."""
+    given = {channel.name for each in instruments for channel in each.channels}
+    for name in selection.derived:
+        for needed in selection.catalog.required_beside([name]):
+            if needed not in given:
+                raise usage_error(
+                    f"{name} needs {needed}, which no instrument of this session gives; add one, "
+                    "as in --instrument aem=/dev/ttyUSB1",
+                    f"Каналу {name} нужен {needed}, а прибора, который его даёт, нет; добавьте "
+                    "его, например --instrument aem=/dev/ttyUSB1",
+                )
 
 
 def _port(open_port: Callable[[str], Link], beside: Sequence[str]) -> str:

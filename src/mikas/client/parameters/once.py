@@ -86,6 +86,14 @@ def _check_needs_no_samples(catalog: Catalog, channel: Derived) -> None:
     for each in in_order(catalog.derived, [channel.name]):
         if each.accumulates:
             raise NeedsSamples(name=channel.name, total=each.name)
+    if beside := catalog.required_beside([channel.name]):
+        names = ", ".join(beside)
+        raise usage_error(
+            f"The unit alone can't give {channel.name}: {names} comes from an instrument. "
+            "Sample it in a session with that instrument",
+            f"Один блок не даст {channel.name}: {names} приходит с прибора. "
+            "Опрашивайте его вместе с этим прибором",
+        )
 
 
 def _lacks(channel: Derived, missing: Sequence[Parameter]) -> NotSupported:
