@@ -111,7 +111,7 @@ def _readings(parameter: Parameter, raw: bytes) -> Text:
 
 
 def _erratum(changed: set[str]) -> CatalogChange:
-    """Return the changed text of E3: what is taken for each of both, and how to have the letter."""
+    """Return the changed text of E3: the formula of each of both, and how to choose the letter."""
     taken = ". ".join(f"{name}: {_TAKEN[name][name not in changed]}" for name in _TAKEN)
     letter = "The letter: (b − 128)/256 − 0.5."
     keys = {

@@ -73,7 +73,7 @@ class Grounds:
         return picked(self, *names) | self.statement_json()
 
     def statement_json(self) -> dict[str, Any]:
-        """Return what is said of it, and what was seen, as JSON values."""
+        """Return the statements about it, and what units have shown, as JSON values."""
         seen = [picked(each, "unit", "agreement", "text") for each in self.sightings]
         return picked(self, "source", "siblings") | {"seen": json_of(seen)}
 

@@ -1,4 +1,4 @@
-"""What is on a line where no Mikas answers: another unit, named, in the place of “silent”.
+"""Other units on a line where no Mikas answers: named, in the place of “silent”.
 
 On request only (`doctor --other-units`), one try each, and nothing that changes a unit:
 

@@ -1,4 +1,4 @@
-"""A rule of actions: its condition, how long and how often, and what is done.
+"""A rule of actions: its condition, how long and how often, and its effects.
 
 [action.hot]
 when = "TWAT > 105"       a formula of the catalog's language
@@ -6,7 +6,7 @@ for = 3                   s that it has to hold, without a pause
 until = "TWAT < 100"      before this held, it is not done again; else: `when` does not hold
 again = 60                s after which it is done again at the earliest
 once = true               once in a session
-mark = "hot: {TWAT}"      the other keys: what is done
+mark = "hot: {TWAT}"      the other keys: its effects
 """
 
 from __future__ import annotations

@@ -47,7 +47,7 @@ class CurveIntervals:
 
 @dataclass(frozen=True, slots=True)
 class SampledCurve:
-    """Samples of one channel, times rising. A NaN ends what is known before it.
+    """Samples of one channel, times rising. A NaN ends the part before it.
 
     `longest`: seconds between two samples of which the values between are known.
     """

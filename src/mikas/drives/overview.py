@@ -38,7 +38,7 @@ class DrawnWay:
 
 @dataclass(frozen=True, slots=True)
 class DriveOverview:
-    """What is known. `why`: the reason why the engine's runs are not; None: they are."""
+    """The figures that are known. `why`: why those of the engine's runs are not; None: they are."""
 
     trips: list[Trip] = field(default_factory=list)
     why: Text | None = None

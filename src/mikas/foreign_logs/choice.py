@@ -1,4 +1,4 @@
-"""What the user wants of a log, and what is to be known before: the dialog's two ends.
+"""The user's choice of a log's columns, and the preview that it is made from.
 
 preview = preview_log(data, "drive.csv")      # columns, settings found, first rows
 log = read_log(data, "drive.csv", LogChoice(time="t", time_unit="ms", columns={"RPM": "rpm"}))

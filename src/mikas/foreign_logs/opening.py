@@ -95,7 +95,7 @@ def read_log(data: bytes, name: str, choice: LogChoice | None = None) -> Foreign
 
 
 def format_of(data: bytes, name: str) -> str:
-    """Return csv, msl, mlg or mdf. Raises `ForeignLogError` for what is none of them."""
+    """Return csv, msl, mlg or mdf. Raises `ForeignLogError` for any other format."""
     check_size(name, data)
     if data.startswith(mlg.MAGIC):
         return mlg.MLG

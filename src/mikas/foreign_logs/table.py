@@ -154,7 +154,7 @@ class TableBuilder:
             column.append(value if isfinite(value) else nan)
 
     def skipped(self) -> list[ForeignProblem]:
-        """Return what is to be said of the rows that stay out."""
+        """Return the problems of the rows that were left out."""
         found = []
         for lines, why in ((self._timeless, _TIMELESS), (self._older, _OLDER)):
             if lines:

@@ -39,7 +39,7 @@ class SamplesBeside:
         instruments: Mapping[str, InstrumentReading],
         selection: Selection,
     ) -> Sampled:
-        """Return the sample with the values of the instruments, and what is computed from them.
+        """Return the sample with the instruments' values, and the channels computed from them.
 
         `selection`: what the session samples, with its derived channels.
         """

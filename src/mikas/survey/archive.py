@@ -72,7 +72,7 @@ def archive(content: SurveyFile, readme: str) -> bytes:
 
 
 def read_survey(path: Path) -> SurveyFile:
-    """Read a survey's ZIP. Raises `UsageError` with the file and what is wrong with it."""
+    """Read a survey's ZIP. Raises `UsageError` with the file and its fault."""
     with naming_file(path), open_regular(path) as file:
         packed = Archive(file)
         members = {name: packed.read(name, most) for name, most in _MEMBERS.items()}

@@ -19,7 +19,7 @@ class SurveyCapture:
     """Records one run into `folder`; implements `mikas.link.base.Sink`.
 
     Times count from the begin of the survey: a file without a date and without the port's address
-    says nothing of its owner. `paused`: what is exchanged now is not recorded.
+    says nothing of its owner. `paused`: nothing is recorded now.
     """
 
     def __init__(self, folder: Path, *, url: str, baud: int, began: float, before: float) -> None:
@@ -35,7 +35,7 @@ class SurveyCapture:
 
     @contextmanager
     def pausing(self) -> Iterator[None]:
-        """Leave out what is exchanged inside."""
+        """Record nothing while the block runs."""
         self.paused = True
         try:
             yield
@@ -48,7 +48,7 @@ class SurveyCapture:
 
 
 def joined_captures(folder: Path) -> bytes:
-    """Return the captures of all runs, one behind the other: a pcapng file of several sections."""
+    """Return the captures of all runs in a row: a pcapng file of several sections."""
     runs = (_file(folder, number) for number in range(1, _MOST_RUNS))
     return b"".join(file.read_bytes() for file in runs if file.exists())
 

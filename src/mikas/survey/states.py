@@ -1,4 +1,4 @@
-"""The states of the car: what to tell the person, and how the unit shows that it is reached."""
+"""The states of the car: the person's instruction, and how the unit shows that it is reached."""
 
 from __future__ import annotations
 

@@ -229,7 +229,7 @@ class _Saving:
 
 
 def _begun(ecu: Ecu, options: SurveyOptions) -> Measured:
-    """Return what is known before the first step."""
+    """Return the figures that are known before the first step."""
     tester = ecu.tester
     return {
         "version_code": version_text(ecu.version_code),

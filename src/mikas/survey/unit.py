@@ -176,7 +176,7 @@ class SurveyedUnit:
         self.tester.wait(self.now() + seconds)
 
     def recording_paused(self, *, paused: bool) -> AbstractContextManager[None]:
-        """Leave what is exchanged inside out of the recording, if `paused`."""
+        """Record nothing while the block runs, if `paused`."""
         return self.capture.pausing() if paused and self.capture else nullcontext()
 
     @contextmanager

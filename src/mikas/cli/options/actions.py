@@ -1,4 +1,4 @@
-"""`--actions FILE.toml`: what is done when a condition holds, of `watch` and `log`.
+"""`--actions FILE.toml` of `watch` and `log`: the actions when a condition holds.
 
 Nothing heavy is imported here: the port is opened first.
 """

@@ -155,7 +155,7 @@ def write_searches(dashboard: TheDashboard, _: KnownClient, body: SearchList) ->
 
 
 def _check(catalog: Catalog, expression: str) -> None:
-    """Raise `UsageError` for what is no condition; a recording may have a labelled instrument."""
+    """Raise `UsageError` for no condition; a recording may have a labelled instrument."""
     try:
         SearchCondition(catalog, expression)
     except UnknownParameter as error:

@@ -88,7 +88,7 @@ class SessionActions:
     def replace(self, actions: LoadedActions) -> None:
         """Use these rules, and keep them. Raises `UsageError`; then those before stay.
 
-        A file with a mistake, whose rules are not in use, is put aside as `actions.toml.broken`.
+        A file with a mistake, whose rules are not in use, is kept as `actions.toml.broken`.
         """
         with self._saving:
             self._use(actions)

@@ -1,7 +1,7 @@
 """Surveys of real units for the project: one at a time, kept beside the recordings.
 
 A survey that was stopped, or whose cable or program was lost, goes on by its folder. It is saved
-as one ZIP once the person has seen what is in it.
+as one ZIP once the person has seen its content.
 """
 
 from __future__ import annotations

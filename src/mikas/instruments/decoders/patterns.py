@@ -30,7 +30,7 @@ _BEFORE_NUMBER: Final = r"[^0-9+.-]*+"
 class LinePattern:
     """A pattern, ready to be matched. `decimal`: the sign between a number's parts.
 
-    `names`: its channels, in capitals. Raises `UsageError` for what is no pattern.
+    `names`: its channels, in capitals. Raises `UsageError` for another text.
     """
 
     def __init__(self, text: str, decimal: str = ".") -> None:

@@ -27,7 +27,7 @@ def found(value: object, en: str, ru: str) -> Conclusion:
 
 
 def is_open(en: str, ru: str, value: object = None) -> Conclusion:
-    """Return an open question with its reason, and what is known of it all the same."""
+    """Return an open question with its reason. `value`: the part of the answer that is known."""
     return Conclusion(SurveyVerdict.OPEN, Text(en, ru), value)
 
 

@@ -18,7 +18,7 @@ _APART = 0.25  # s
 
 
 def scan(unit: SurveyedUnit, measured: Measured, person: Prompter) -> None:
-    """Request every code once; what is found is kept code by code, for a survey that is stopped."""
+    """Request every code once. Each result is kept at once, for a survey that is stopped."""
     found = measured.setdefault("codes", {})
     known = [*(datum.code for datum in COMMON), *(code for code, _ in unit.catalog.codes)]
     left = {code for code in range(0x100) if f"{code:02X}" not in found}

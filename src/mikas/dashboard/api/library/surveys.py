@@ -197,7 +197,7 @@ async def result(requester: TheRequester) -> Response:
 
 @router.post("/save", responses=errors(404, 409, 504), response_model=SurveyState)
 async def save(requester: TheRequester, _: KnownClient) -> Response:
-    """Save the survey as one ZIP; what is not measured stays open in it."""
+    """Save the survey as one ZIP; questions that were not measured stay open in it."""
 
     def work() -> SurveyState:
         requester.dashboard.surveys.save()

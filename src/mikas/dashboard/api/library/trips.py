@@ -315,7 +315,7 @@ def _sums(trip: Trip) -> TripSums:
 
 
 def _lacks(found: DriveOverview, total: Trip | None) -> Iterator[Text]:
-    """Yield what is missing, with what to do about it on the screens."""
+    """Yield each thing that is missing, with the remedy on the screens."""
     from mikas.drives.wording import NO_FUEL, NO_SPEED, left_out
 
     if found.why is not None:

@@ -173,7 +173,7 @@ class InstrumentsBeside:
         await self._replace(chosen)
 
     def use_catalog(self) -> list[AlarmChanged]:
-        """Use another catalog for texts and limits; what is read is read on.
+        """Use another catalog for texts and limits, without a pause in the instruments' values.
 
         Returns the ends of the alarms whose limits are others now.
         """
