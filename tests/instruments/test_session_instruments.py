@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import random
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -11,55 +10,22 @@ import pytest
 
 import mikas
 from mikas.catalog import shipped
-from mikas.client.connecting import ConnectionOptions
 from mikas.errors import LinkLost, NoPortGiven, UsageError
-from mikas.i18n import Text
 from mikas.instruments import InstrumentValues, decoder_of, definition_named
 from mikas.instruments.choosing import ChosenInstrument, chosen_instruments
 from mikas.instruments.reading import InstrumentState
 from mikas.instruments.session_instruments import SessionInstruments
-from mikas.instruments.sources import InstrumentSource
 from mikas.instruments.virtual_source import VirtualSource
 from mikas.link.base import Chunk
 from mikas.link.ports import Port
-from mikas.live.progress import Length
-from mikas.live.session import Session
-from mikas.live.starting import prepared
 from mikas.recording.capture.instruments import (
     CONNECTED,
-    instrument_packets,
-    label_and_name,
     loss,
-    loss_of,
 )
-from mikas.recording.capture.reader import CaptureReader, Packet
-from mikas.recording.recorder import Recorder
-from mikas.sampling.events import Sampled
 from mikas.sampling.instrument_changes import InstrumentChanged
+from unplugged_instruments import BOTH, CITY, Unplugged, drive_with_outages, prepare
 
-CITY = "sim:?clock=simulated&seed=3&scenario=city"
-BOTH = ("aem=sim:", "nmea=sim:")
 CHANNELS = ("FREQ", "VALF")
-
-
-def prepare(
-    path: Path, instruments: tuple[str, ...], *, duration: float, rate: float | None = None
-) -> Session:
-    return prepared(
-        CITY,
-        ConnectionOptions(),
-        CHANNELS,
-        Length(None, duration, rate),
-        method="batch",
-        recorder=Recorder(),
-        record=path,
-        wants_faults=lambda: False,
-        instruments=chosen_instruments(instruments, shipped()),
-    )
-
-
-def unit_of(path: Path) -> list[tuple[bytes, float]]:
-    return [(it.data, it.time) for it in CaptureReader(path) if isinstance(it, Packet)]
 
 
 def test_a_meter_and_a_receiver_agree_with_the_virtual_car(tmp_path: Path) -> None:
@@ -83,98 +49,21 @@ def test_a_meter_and_a_receiver_agree_with_the_virtual_car(tmp_path: Path) -> No
     assert way == pytest.approx((table["GPS_SPEED"].to_numpy()[1:] / 3.6 * seconds).sum(), rel=0.1)
 
 
-class Unplugged:
-    """A source that is out of its socket at random, and keeps what it gave and when."""
-
-    def __init__(self, inner: InstrumentSource, now: Callable[[], float], seed: int) -> None:
-        self.inner, self._now = inner, now
-        self.given: list[Chunk] = []
-        self.times = 0
-        self._random = random.Random(seed)
-        self._next = 30.0
-        self._back = 0.0
-
-    def open(self) -> None:
-        if self._now() < self._back:
-            raise LinkLost(url="/dev/meter", problem=Text("unplugged", "отключён"))
-        self.inner.open()
-
-    def read(self) -> list[Chunk]:
-        now = self._now()
-        if now >= self._next:
-            self._back = now + self._random.uniform(0.1, 60)
-            self._next = self._back + self._random.uniform(5, 120)
-            self.times += 1
-            if self._random.random() < 0.5:  # in the middle of a line
-                half = Chunk(b"1", now)
-                self.given.append(half)
-                self.inner.reset()
-                return [half]
-        if now < self._back:
-            raise LinkLost(url="/dev/meter", problem=Text("unplugged", "отключён"))
-        found = self.inner.read()
-        self.given += found
-        return found
-
-    def reset(self) -> None:
-        self.inner.reset()
-
-    def close(self) -> None:
-        self.inner.close()
-
-
 def test_one_that_is_unplugged_at_random_for_an_hour_costs_the_unit_nothing(
     tmp_path: Path,
 ) -> None:
-    alone = tmp_path / "alone.pcapng"
-    with prepare(alone, (), duration=3600, rate=2) as session:
-        expected = session.run()
-    path = tmp_path / "beside.pcapng"
-    with prepare(path, BOTH, duration=3600, rate=2) as session:
-        port = session.acquisition.port
-        chosen = session.instruments.chosen if session.instruments else ()
-        meter = Unplugged(VirtualSource(chosen[0], port), port.now, seed=5)
-        receiver = Unplugged(VirtualSource(chosen[1], port), lambda: 0.0, seed=0)
-        session.instruments = SessionInstruments(
-            chosen, port, session.recorder, (CONNECTED, loss), sources=[meter, receiver]
-        )
-        changes: list[InstrumentChanged] = []
-        session.on(InstrumentChanged, changes.append)
-        samples: list[Sampled] = []
-        session.on(Sampled, samples.append)
-        session.run()
-    assert meter.times > 15
-    # The unit: the same bytes at the same times, so the same rate.
-    assert len(samples) == expected
-    assert unit_of(path) == unit_of(alone)
-    # Nothing lost: every byte that came is in the file, with its time.
-    packets = list(instrument_packets(path))
-    for name, source in (("aem", meter), ("nmea", receiver)):
-        own = [it for it in packets if label_and_name(it.source) == ("", name)]
-        kept = [it for it in own if it.data]
-        assert [it.data for it in kept] == [it.data for it in source.given]
-        times = [it.time for it in source.given]
-        np.testing.assert_allclose([it.time for it in kept], times, rtol=0, atol=1e-6)
-    losses = [it for it in packets if loss_of(it) is not None]
-    assert len(losses) == meter.times
-    states = [it.state for it in changes if it.name == "aem"]
-    assert states.count(InstrumentState.LOST) == meter.times
-    assert all(it.reason for it in changes if it.state is InstrumentState.LOST)
-    # Nothing mixed up: each value is one that was sent whole, and none is old.
-    whole = {float(it.data) for it in meter.given if it.data.endswith(b"\r\n")}
-    frame = mikas.open(path, names=["AFR", "LAMBDA", "GPS_SPEED"]).to_pandas()
+    drive = drive_with_outages(tmp_path, lambda source, _, outages: Unplugged(source, outages))
+    assert drive.meter.outages.count > 15
+    frame = mikas.open(drive.path, names=["AFR", "LAMBDA", "GPS_SPEED"]).to_pandas()
     known = frame["AFR"].dropna()
     assert 0 < len(known) < len(frame)
-    assert set(known) <= whole
-    sent = np.array([it.time for it in meter.given if it.data.endswith(b"\r\n")])
-    rows = known.index.to_numpy() + unit_begin(path)
+    assert set(known) <= drive.whole
+    # None is old.
+    given = drive.meter.given
+    sent = np.array([it.time for it in given if it.data.endswith(b"\r\n")])
+    rows = known.index.to_numpy() + unit_begin(drive.path)
     ages = rows - sent[np.searchsorted(sent, rows + 1e-6) - 1]
     assert ages.max() <= 1.0 + 1e-3
-    live = [it.instruments["AFR"].value for it in samples if "AFR" in it.instruments]
-    assert set(live) <= whole
-    missing = sum("AFR" not in it.instruments for it in samples)
-    assert 0.1 < missing / len(samples) < 0.9
-    assert all("GPS_SPEED" in it.instruments for it in samples[10:])  # the other one goes on
 
 
 def unit_begin(path: Path) -> float:
