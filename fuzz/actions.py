@@ -17,7 +17,8 @@ WORDS: Final = (
     *("[action.a]\n", "[mqtt]\n", "when = ", "for = ", "until = ", "again = ", "once = true\n"),
     *("mark = ", "record = ", '"start"\n', "sound = true\n", "speak = ", "mqtt = true\n"),
     *("webhook = ", '"http://localhost:1/"\n', "broker = ", "en = ", "ru = ", "{TWAT}", "{", "}"),
-    *("TWAT", "FREQ", "FUEL_FLOW", " > ", " and ", " / ", " ** ", "1e999", "обороты"),
+    *("TWAT", "FREQ", "FUEL_FLOW", " > ", " and ", " / ", " ** ", "1e999"),
+    "обороты".encode().decode("latin-1"),  # a character of a word is a byte of the file
 )
 
 
