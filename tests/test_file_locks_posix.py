@@ -13,8 +13,8 @@ import types
 
 import pytest
 
-from mikas import file_locks
 from mikas.errors import UnfitFile
+from mikas.files import locks as file_locks
 
 
 class Msvcrt(types.ModuleType):

@@ -10,9 +10,8 @@ from typing import Any
 
 import pytest
 
-from mikas import files
 from mikas.errors import UnfitFile, reason_at
-from mikas.files import Mode, open_regular, read_json, read_regular
+from mikas.files import Mode, open_regular, read_json, read_regular, regular
 
 MODES: tuple[Mode, ...] = ("rb", "r+b", "a+b")
 
@@ -72,7 +71,7 @@ def test_what_takes_the_place_of_a_file_after_the_check_is_not_opened(
     replaced_by(lambda: os.mkfifo(file))
     replaced_by(lambda: file.symlink_to("/dev/zero"))
     with monkeypatch.context() as windows:  # no flag there: the names are compared
-        windows.setattr(files, "_NO_FOLLOW", 0)
+        windows.setattr(regular, "_NO_FOLLOW", 0)
         replaced_by(lambda: file.symlink_to(secret))
     assert secret.read_bytes() == b"not yours"
 

@@ -11,8 +11,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mikas.archives import MOST_BYTES, MOST_MEMBERS, Archive
 from mikas.errors import UnfitFile
+from mikas.files.archives import MOST_BYTES, MOST_MEMBERS, Archive
 
 MOST = 1 << 16
 

@@ -19,7 +19,7 @@ from mikas.client.memory.dumps import (
     read_manifest,
 )
 from mikas.errors import AddressOutOfRange, LineError, NoConnection, UsageError
-from mikas.file_locks import hold
+from mikas.files.locks import hold
 
 
 def nothing(_: int) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from dashboard.rig import rig
-from mikas.file_locks import hold
+from mikas.files.locks import hold
 from two_programs_rig import another_recording
 
 

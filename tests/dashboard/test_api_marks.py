@@ -11,7 +11,7 @@ import pytest
 import mikas
 from dashboard.recordings_rig import record
 from dashboard.rig import rig
-from mikas.file_locks import hold
+from mikas.files.locks import hold
 from mikas.recording.capture import writer
 
 DRIVE = "/recordings/drive.pcapng"

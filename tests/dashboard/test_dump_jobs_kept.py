@@ -10,10 +10,10 @@ import pytest
 
 from dashboard.dumps_rig import XRAM, ended, hold, until_read, when
 from dashboard.rig import rig
-from mikas import file_locks
 from mikas.client.memory.dumps import Manifest, manifest_path
 from mikas.dashboard.session import dump_jobs
 from mikas.dashboard.session.dump_jobs import DumpJobs
+from mikas.files import locks as file_locks
 
 SMALL = {"space": "xram", "first": 0x40, "last": 0x7F}
 

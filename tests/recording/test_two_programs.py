@@ -8,7 +8,7 @@ import pytest
 
 from mikas.dashboard.library.folder import RecordingFolder
 from mikas.errors import CaptureError, UnfitFile
-from mikas.file_locks import check_free
+from mikas.files.locks import check_free
 from mikas.recording import CaptureWriter
 from mikas.recording.annotations.events import note_of
 from mikas.recording.capture.reader import CaptureReader

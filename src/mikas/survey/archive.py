@@ -14,10 +14,10 @@ from io import BytesIO
 from pathlib import Path
 from typing import Any, Final
 
-from mikas.archives import Archive
 from mikas.cleaning import clean_json
 from mikas.errors import UsageError, naming_file, usage_error
 from mikas.files import open_regular
+from mikas.files.archives import Archive
 from mikas.i18n import Text
 from mikas.survey.answers import SurveyAnswer
 

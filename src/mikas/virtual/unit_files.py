@@ -6,10 +6,10 @@ import json
 from pathlib import Path
 from typing import BinaryIO, Final
 
-from mikas.archives import Archive
 from mikas.cleaning import clean_json
 from mikas.errors import UsageError, naming_file, usage_error
 from mikas.files import open_regular, too_large
+from mikas.files.archives import Archive
 from mikas.virtual.unit_profile import UnitProfile
 
 MEMBER: Final = "unit.json"

@@ -29,8 +29,8 @@ from mikas.errors import (
     unusable_file,
     usage_error,
 )
-from mikas.file_locks import hold
 from mikas.files import beside, open_regular, read_json, read_regular
+from mikas.files.locks import hold
 from mikas.saving import save
 
 SCHEMA = 1

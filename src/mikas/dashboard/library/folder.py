@@ -31,8 +31,8 @@ from mikas.errors import (
     reason_of,
     unusable_file,
 )
-from mikas.file_locks import check_free
 from mikas.files import check_regular, open_regular
+from mikas.files.locks import check_free
 from mikas.i18n import Text
 from mikas.recording.capture.packed import packed_suffix
 

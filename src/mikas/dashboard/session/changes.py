@@ -31,7 +31,7 @@ from mikas.dashboard.security.control import (
 from mikas.dashboard.session.connection import Connection
 from mikas.dashboard.session.history import FaultHistory
 from mikas.errors import UsageError
-from mikas.file_locks import writer_of
+from mikas.files.locks import writer_of
 from mikas.i18n import Text
 
 _PROGRAM = Text(

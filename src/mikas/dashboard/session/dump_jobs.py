@@ -36,7 +36,7 @@ from mikas.errors import (
     naming_file,
     unusable_file,
 )
-from mikas.file_locks import writer_of
+from mikas.files.locks import writer_of
 from mikas.i18n import Text
 
 SUFFIX = ".bin"

@@ -25,8 +25,8 @@ from mikas.errors import (
     UnfitFile,
     system_error,
 )
-from mikas.file_locks import hold
 from mikas.files import open_regular
+from mikas.files.locks import hold
 from mikas.i18n import Text
 from mikas.recording.capture import blocks as pcapng
 from mikas.recording.capture.dating import corrections, moved
@@ -56,7 +56,7 @@ class _Described:
 class CaptureWriter:
     """Appends the bytes on the wire to `path`. Implements `mikas.link.base.Sink`.
 
-    While the file is written, no other mikas changes or deletes it (`mikas.file_locks`).
+    While the file is written, no other mikas changes or deletes it (`mikas.files.locks`).
     An existing file is refused, unless `overwrite` discards it. An existing named pipe is written
     to: other programs can read along. `pipe` false: only a new file is, as the user did not name
     it, and others may write to its folder.

@@ -17,7 +17,7 @@ from typing import BinaryIO, Final
 
 from mikas.cleaning import clean_line, secrets_of, without
 from mikas.errors import UnfitFile
-from mikas.files import open_regular
+from mikas.files.regular import open_regular
 from mikas.i18n import Text
 
 _FAR: Final = 1 << 40  # no recording is so long
