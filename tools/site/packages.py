@@ -54,6 +54,7 @@ _NOT_HERE = (
     "dashboard/page", "dashboard/running.py", "foreign_logs/mdf.py", "guided/co_setting.py",
     "dashboard/server.py", "dissectors", "fleet", "link/failures.py", "link/network.py",
     "link/serial.py", "publish", "recording/export/mdf.py", "recording/export/parquet.py",
+    "recording/instrument_lines.py",
     "recording/parquet.py", "replay/routine.py", "testing",
     "virtual/met_unit.py", "virtual/profiles", "virtual/unit_files.py",
     "virtual/unit_profile.py",
