@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from test_export_mlg import read as read_mlg
-from test_export_msl import read as read_msl
 
 from csv_columns import columns_of
 from mikas.catalog import shipped
 from mikas.recording.export import EXCEL, PLAIN, export
 from mikas.recording.table.channels import Channel, Rows
+from viewer_logs import read_mlg, read_msl
 
 
 def numbers_of(path, dialect, names):
