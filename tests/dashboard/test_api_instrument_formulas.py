@@ -104,3 +104,23 @@ def test_a_channel_of_ones_own_is_computed_from_a_meter_and_the_unit(idle):
     idle.put("/plan", {"wanted": [{"name": "FREQ"}, {"name": "LEANER"}]})
     until_value(idle, "LEANER")
     assert idle.get("/channels/LEANER/value")["value"] == pytest.approx(0, abs=0.3)
+
+
+WAY = {"new": True, "text": {"en": "Way", "ru": "Путь"}, "formula": "GPS_SPEED / 3600"}
+
+
+def test_what_instruments_alone_give_is_sampled_beside_a_parameter(idle):
+    idle.put("/channels/WAY", WAY)
+    idle.put("/channels/TWICE", {**WAY, "formula": "FREQ * 2"})
+    alone = {"wanted": [{"name": "WAY"}]}
+    assert "name a parameter of the unit" in idle.put("/plan", alone, 400)["en"]
+    both = {"wanted": [{"name": "WAY"}, {"name": "TWICE"}]}
+    idle.put("/plan", both)
+    price = idle.post("/plan/price", both)
+    assert price["more"]["TWAT"]["seconds"] >= 0
+    assert "nothing is chosen" in idle.post("/plan/price", alone, 400)["en"]
+    idle.put("/plan/first", {"names": ["WAY"]})
+    idle.delete("/channels/TWICE")
+    idle.post("/instruments", {"definition": "nmea", "port": "sim:"})
+    until_value(idle, "WAY")
+    assert idle.get("/state")["samples"] > 0

@@ -272,6 +272,11 @@ def _is_known(catalog: Catalog, name: str) -> bool:
         return False
 
 
+def _is_of_instruments(catalog: Catalog, name: str) -> bool:
+    """Whether `name` is a derived channel that needs no parameter of the unit."""
+    return name in catalog.derived and not catalog.required_by([name])
+
+
 class SamplingPlanner:
     """The channels to sample and their cost, with and without a connection. Any thread may call.
 
@@ -335,7 +340,8 @@ class SamplingPlanner:
             every = {name: n for name, n in self.request.every.items() if _is_known(catalog, name)}
             every |= {name: 1 for name in catalog.derived if name not in before.derived}
             first = tuple(name for name in self.request.first if _is_known(catalog, name))
-            every = every or dict.fromkeys(catalog.channels, 1)
+            if all(_is_of_instruments(catalog, name) for name in every):  # or none is left
+                every = dict.fromkeys(catalog.channels, 1)
             request = replace(self.request, every=every, first=first)
             if (thread := self._connection.thread) is not None:
                 thread.acquisition.reconfigure(
