@@ -67,6 +67,8 @@ def test_names_of_channels_are_completed_by_any_of_their_names(answered, offered
     assert offered("mikas log TWAT batt_") == ["batt_v"]
     assert "TWAT" in offered("mikas export a.pcapng tw")
     assert "TWAT" in offered("mikas write tw")
+    assert answered("mikas find a.pcapng gps_sp") == [["plain", "GPS_SPEED", "Speed by GPS"]]
+    assert offered("mikas read gps_sp") == []
 
 
 def test_names_of_a_catalog_of_one_s_own_are_completed(offered, tmp_path):

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
-from mikas.catalog import Catalog, Derived, InstrumentChannel
+from mikas.catalog import Derived, InstrumentChannel
 from mikas.client.parameters.derived import DerivedChannels, DerivedValue
 from mikas.instruments.reading import InstrumentReading
 from mikas.sampling.alarms import Alarms, Value
@@ -29,7 +29,7 @@ class SamplesBeside:
     def __init__(self, instruments: Iterable[InstrumentChannel]) -> None:
         self._instruments = tuple(instruments)
         self._derived: DerivedChannels | None = None
-        self._catalog: Catalog | None = None
+        self._selection: Selection | None = None
         self._alarms = Alarms(self._instruments)
         self._ended: list[AlarmChanged] = []  # by other limits, not reported yet
 
@@ -43,9 +43,8 @@ class SamplesBeside:
 
         `selection`: what the session samples, with its derived channels.
         """
-        catalog = selection.catalog
-        names = tuple(name for name in selection.derived if catalog.required_beside([name]))
-        self._use(catalog, names, sample.time)
+        if selection is not self._selection:
+            self._use(selection, sample.time)
         found: dict[str, DerivedValue] = {}
         if self._derived is not None:
             known: dict[str, InstrumentReading | DerivedValue] = {**instruments, **sample.derived}
@@ -61,8 +60,8 @@ class SamplesBeside:
         values: dict[str, Value] = {it.name: it.value for it in known.values()}
         values |= {it.name: sample.derived.get(it.name) for it in derived}
         needs: dict[str, tuple[str, ...]] = {it.name: (it.name,) for it in self._instruments}
-        if self._catalog is not None:
-            needs |= {it.name: self._catalog.required_beside([it.name]) for it in derived}
+        if (selection := self._selection) is not None:
+            needs |= {it.name: selection.catalog.required_beside([it.name]) for it in derived}
         gone = [name for name in self._alarms.states if any(it not in known for it in needs[name])]
         ended, self._ended = self._ended, []
         changed = self._alarms.update(values, sample.time)
@@ -81,10 +80,10 @@ class SamplesBeside:
     def _channels(self) -> tuple[Derived, ...]:
         return self._derived.channels if self._derived is not None else ()
 
-    def _use(self, catalog: Catalog, names: tuple[str, ...], time: float) -> None:
-        if catalog is self._catalog and names == tuple(it.name for it in self._channels):
-            return
-        before, self._catalog = self._derived, catalog
+    def _use(self, selection: Selection, time: float) -> None:
+        catalog, before = selection.catalog, self._derived
+        names = [name for name in selection.derived if catalog.required_beside([name])]
+        self._selection = selection
         self._derived = DerivedChannels(catalog, names) if names else None
         if before is not None and self._derived is not None:
             self._derived.continue_from(before, catalog.required_by(names))

@@ -76,15 +76,16 @@ def _files(endings: Iterable[str], begin: str = "") -> CompletionItem:
 def channel_names(ctx: click.Context, parameter: click.Parameter, incomplete: str) -> Offers:
     """Offer the mnemonics that begin so, then other names («обороты», `rpm`) with theirs.
 
-    Those that the line has already are left out.
+    Those that the line has already are left out. A formula may name instruments' channels, too.
     """
     from mikas.cli.language import localized
 
     catalog = _catalog(ctx)
     given = ctx.params.get(parameter.name or "") or ()
+    beside = catalog.instruments if parameter.name == "expression" else {}
     known = {
         name: localized(channel.short)
-        for name, channel in catalog.channels.items()
+        for name, channel in (*catalog.channels.items(), *beside.items())
         if name not in given
     }
     offers = _begun(known, incomplete)
