@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from shutil import copyfile
 
+import click
 import pytest
 from cli_harness import Mikas, Ran
 
 import mikas as library
+from mikas.cli.completion.values import RECORDING, files
+from mikas.cli.main import cli
 
 NAMES = ("FREQ", "TWAT", "JAIR", "INJ", "VALF", "UACC", "THR", "SSM", "FUEL_FLOW")
 BESIDE = ("LAMBDA", "AFR", "GPS_SPEED", "GPS_LAT", "GPS_LON", "GPS_ALT", "GPS_COURSE")
@@ -62,6 +65,7 @@ COMMANDS: dict[str, Callable[[Ran], bool]] = {
     "export one.pcapng -o a.csv GPS_SPEED LAMBDA FREQ --json": _chosen,
     "export one.pcapng -o a.csv --dialect excel --json": _exported,
     "find one.pcapng FREQ>1500 --json": lambda ran: bool(ran.object["hits"]),
+    "find one.pcapng LAMBDA>0.5 --json": lambda ran: bool(ran.object["hits"]),
     "trip one.pcapng two.pcapng --json": lambda ran: ran.object["total"]["kilometres"] > 0.5,
     "pull one.pcapng --mass 1600 --json": lambda ran: "pulls" in ran.object,
     "decode one.pcapng --json": lambda ran: len(ran.objects) > 500,
@@ -111,3 +115,23 @@ def test_a_fleet_takes_recordings_with_instruments(mikas: Mikas, tmp_path: Path)
     for (way,) in mikas("fleet", "sql", "set", sql, "--json").object["rows"]:
         assert way > 0.2
     assert mikas("fleet", "report", "set", "-o", "fleet.html").status == 0
+
+
+def _takers(command: click.Command, words: tuple[str, ...] = ()) -> Iterator[str]:
+    """Yield the commands to which the Tab key offers recordings."""
+    context = click.Context(command)
+    if isinstance(command, click.Group):
+        for name in command.list_commands(context):
+            if (found := command.get_command(context, name)) is not None:
+                yield from _takers(found, (*words, name))
+    for each in command.params:
+        offered = {(it.type, it.value) for it in each.shell_complete(context, "")}
+        if offered & {(it.type, it.value) for it in files(*RECORDING)(context, each, "")}:
+            yield " ".join(words)
+
+
+def test_no_command_that_takes_a_recording_is_left_out() -> None:
+    tried = {command.split()[0] for command in COMMANDS}
+    elsewhere = {"fleet add", "sim"}  # below; `sim --replay` is `--port replay:` on a line
+    assert {*_takers(cli)} - elsewhere <= tried
+    assert {"export", "trip", *elsewhere} <= {*_takers(cli)}

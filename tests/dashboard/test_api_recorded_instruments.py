@@ -82,6 +82,7 @@ RECORDED = {
     "/causes": lambda it: it["seconds"] > 40,
     "/causes?complaint=thirsty&with=two.pcapng": lambda it: it["seconds"] > 80,
     "/find?expression=FREQ>0": lambda it: it["count"] > 0,
+    "/find?expression=GPS_SPEED>20 and LAMBDA>0.5": lambda it: it["count"] > 0,
     "/faults": lambda it: "frames" in it,
     "/tests/charging": lambda it: "result" in it,
     "/tests/idle": lambda it: "result" in it,
@@ -149,6 +150,7 @@ LIVE = {
     "/causes?complaint=thirsty": lambda it: "verdict" in it,
     "/history?seconds=60&points=100": lambda it: column(it, "LAMBDA") and column(it, "GPS_SPEED"),
     "/history/find?expression=FREQ>0": lambda it: it["count"] > 0,
+    "/history/find?expression=LAMBDA>0.5 and FREQ>0": lambda it: it["count"] > 0,
     "/channels/GPS_SPEED/value": lambda it: it["value"] is not None,
     "/faults": lambda it: it["faults"][0]["code"] == 13,
     "/freeze-frames": lambda it: "frames" in it,
@@ -171,6 +173,7 @@ def test_the_running_connection_with_instruments(driven, asked):
 def test_what_is_asked_of_the_unit_goes_on_beside_instruments(driven):
     assert driven.post("/plan/price", {"wanted": [{"name": "TWAT"}]})
     assert driven.post("/channels/try", {"formula": "TWAT / 2"})
+    assert driven.post("/channels/try", {"formula": "LAMBDA - VALF"})
     driven.post("/tests/idle/start")
     driven.post("/tests/run/cancel")
     driven.cars.car(driven.dashboard.connection.port.url).faults.append(14)
