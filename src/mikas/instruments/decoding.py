@@ -13,13 +13,18 @@ from mikas.instruments.decoders import gpsd, isp2, nmea
 from mikas.instruments.decoders.patterns import LinePattern
 from mikas.instruments.decoders.text_lines import TextLineDecoder
 from mikas.instruments.definition import InstrumentDefinition
-from mikas.instruments.events import InstrumentDecoder, InstrumentEvent, InstrumentValues, NoValues
+from mikas.instruments.events import (
+    Fits,
+    InstrumentDecoder,
+    InstrumentEvent,
+    InstrumentValues,
+    NoValues,
+)
 
 GROUP: Final = "mikas.instruments"
 """Entry points: another distribution's definitions and decoders."""
 LINE: Final = "line"
 
-Fits = Callable[[Mapping[str, float]], bool]
 _SHIPPED: Final[Mapping[str, Callable[[Fits], InstrumentDecoder]]] = {
     "nmea": nmea.NmeaDecoder,
     "isp2": isp2.Isp2Decoder,

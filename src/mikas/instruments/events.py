@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -32,6 +32,9 @@ class NoValues:
 
 
 InstrumentEvent = InstrumentValues | NoValues
+
+Fits = Callable[[Mapping[str, float]], bool]
+"""Whether the channels can have these values: a decoder is given it."""
 
 
 class InstrumentDecoder(Protocol):

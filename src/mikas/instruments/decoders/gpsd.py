@@ -3,20 +3,13 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Mapping
 from math import isfinite
 from typing import Any, Final
 
-from mikas.instruments.decoders.splitting import LineSplitter
-from mikas.instruments.events import (
-    NO_FIX,
-    NOT_UNDERSTOOD,
-    OUT_OF_RANGE,
-    TOO_LONG,
-    InstrumentEvent,
-    InstrumentValues,
-    NoValues,
-)
+from mikas.i18n import Text
+from mikas.instruments.decoders.lines import LineDecoder
+from mikas.instruments.events import NO_FIX
 
 WATCH: Final = b'?WATCH={"enable":true,"json":true};\n'
 LONGEST_OBJECT: Final = 10_240  # bytes; gpsd's own limit of a response
@@ -31,50 +24,27 @@ _KEYS: Final = {
 }
 
 
-class GpsdDecoder:
-    """Decodes gpsd's lines. `fits`: whether a channel can have a value."""
+class GpsdDecoder(LineDecoder):
+    """Decodes gpsd's lines."""
 
-    def __init__(self, fits: Callable[[Mapping[str, float]], bool]) -> None:
-        self._fits = fits
-        self._lines = LineSplitter(LONGEST_OBJECT)
+    longest = LONGEST_OBJECT
 
-    def drop(self) -> None:
-        """As `InstrumentDecoder.drop`."""
-        self._lines.drop()
-
-    def feed(self, data: bytes) -> list[InstrumentEvent]:
-        """As `InstrumentDecoder.feed`."""
-        return list(self._events(data))
-
-    def _events(self, data: bytes) -> Iterator[InstrumentEvent]:
-        for line in self._lines.feed(data):
-            shown = line.data[:256]
-            if not line.is_whole:
-                yield NoValues(line.end, TOO_LONG, shown)
-                continue
-            try:
-                found = json.loads(line.data)
-                values = _values(found)
-            except (ValueError, RecursionError, TypeError, OverflowError):
-                yield NoValues(line.end, NOT_UNDERSTOOD, shown)
-                continue
-            if values is None:
-                yield NoValues(line.end, NO_FIX, shown)
-            elif not self._fits(values):
-                yield NoValues(line.end, OUT_OF_RANGE, shown)
-            elif values:
-                yield InstrumentValues(line.end, values)
+    def _decoded(self, line: bytes) -> Mapping[str, float] | Text:
+        return _values(json.loads(line))
 
 
-def _values(found: Any) -> dict[str, float] | None:  # noqa: ANN401  (JSON of another program)
-    """Return the values of a report; none of another class; None: no position."""
+def _values(found: Any) -> Mapping[str, float] | Text:  # noqa: ANN401  (JSON of another program)
+    """Return the values of a report; none of another class; `NO_FIX` without a position.
+
+    Raises `TypeError`, `ValueError` or `OverflowError`.
+    """
     if not isinstance(found, dict):
         raise TypeError(type(found))
     if found.get("class") != "TPV":
         return {}
     mode = found.get("mode")
     if not isinstance(mode, int) or mode < _NO_FIX_BELOW:
-        return None
+        return NO_FIX
     values: dict[str, float] = {}
     for channel, (keys, factor) in _KEYS.items():
         number = next((found[key] for key in keys if found.get(key) is not None), None)

@@ -9,13 +9,14 @@ Only a header has the top bit in two bytes in a row, so a lost byte is found by 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator
 from typing import Final
 
 from mikas.i18n import Text
 from mikas.instruments.events import (
     NOT_UNDERSTOOD,
     OUT_OF_RANGE,
+    Fits,
     InstrumentEvent,
     InstrumentValues,
     NoValues,
@@ -40,9 +41,9 @@ _STATES: Final = {
 
 
 class Isp2Decoder:
-    """Decodes packets. `fits`: whether a channel can have a value."""
+    """Decodes packets. `fits`: whether the channels can have these values."""
 
-    def __init__(self, fits: Callable[[Mapping[str, float]], bool]) -> None:
+    def __init__(self, fits: Fits) -> None:
         self._fits = fits
         self._buffer = bytearray()
         self._begin = 0  # of the buffer, in bytes since the first

@@ -8,22 +8,14 @@ A sentence without a right checksum gives no value: a GPS beside an ignition coi
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Mapping
 from functools import reduce
 from operator import xor
 from typing import Final
 
-from mikas.instruments.decoders.splitting import LineSplitter
-from mikas.instruments.events import (
-    NO_FIX,
-    NOT_UNDERSTOOD,
-    OUT_OF_RANGE,
-    TOO_LONG,
-    WRONG_CHECKSUM,
-    InstrumentEvent,
-    InstrumentValues,
-    NoValues,
-)
+from mikas.i18n import Text
+from mikas.instruments.decoders.lines import LineDecoder
+from mikas.instruments.events import NO_FIX, NOT_UNDERSTOOD, WRONG_CHECKSUM
 
 CHANNELS: Final = ("GPS_SPEED", "GPS_LAT", "GPS_LON", "GPS_ALT", "GPS_COURSE")
 LONGEST_SENTENCE: Final = 200  # 82 by the standard; receivers have longer ones of their own
@@ -31,56 +23,30 @@ KNOT: Final = 1.852  # km/h
 _DIGITS: Final = frozenset("0123456789.+-")
 
 
-class NmeaDecoder:
-    """Decodes sentences. `fits`: whether a channel can have a value."""
+class NmeaDecoder(LineDecoder):
+    """Decodes sentences."""
 
-    def __init__(self, fits: Callable[[Mapping[str, float]], bool]) -> None:
-        self._fits = fits
-        self._lines = LineSplitter(LONGEST_SENTENCE)
+    longest = LONGEST_SENTENCE
 
-    def drop(self) -> None:
-        """As `InstrumentDecoder.drop`."""
-        self._lines.drop()
-
-    def feed(self, data: bytes) -> list[InstrumentEvent]:
-        """As `InstrumentDecoder.feed`."""
-        return list(self._events(data))
-
-    def _events(self, data: bytes) -> Iterator[InstrumentEvent]:
-        for line in self._lines.feed(data):
-            if not line.is_whole:
-                yield NoValues(line.end, TOO_LONG, line.data)
-                continue
-            start = line.data.rfind(b"$")  # what stands before it is the rest of another sentence
-            if start < 0:
-                yield NoValues(line.end, NOT_UNDERSTOOD, line.data)
-                continue
-            body, star, given = line.data[start + 1 :].partition(b"*")
-            if not star or f"{reduce(xor, body, 0):02X}".encode() != given.strip().upper():
-                yield NoValues(line.end, WRONG_CHECKSUM, line.data)
-                continue
-            try:
-                values = _values(body.decode("ascii").split(","))
-            except (ValueError, IndexError):
-                yield NoValues(line.end, NOT_UNDERSTOOD, line.data)
-                continue
-            if values is None:
-                yield NoValues(line.end, NO_FIX, line.data)
-            elif not self._fits(values):
-                yield NoValues(line.end, OUT_OF_RANGE, line.data)
-            elif values:
-                yield InstrumentValues(line.end, values)
+    def _decoded(self, line: bytes) -> Mapping[str, float] | Text:
+        start = line.rfind(b"$")  # what stands before it is the rest of another sentence
+        if start < 0:
+            return NOT_UNDERSTOOD
+        body, star, given = line[start + 1 :].partition(b"*")
+        if not star or f"{reduce(xor, body, 0):02X}".encode() != given.strip().upper():
+            return WRONG_CHECKSUM
+        return _values(body.decode("ascii").split(","))
 
 
-def _values(words: list[str]) -> dict[str, float] | None:
-    """Return the values of a sentence; none of another kind; None: the receiver has no position.
+def _values(words: list[str]) -> Mapping[str, float] | Text:
+    """Return the values of a sentence; none of another kind; `NO_FIX` without a position.
 
     Raises `ValueError` or `IndexError`.
     """
     match words[0][2:]:
         case "RMC":
             if words[2] != "A":
-                return None
+                return NO_FIX
             found = _position(words[3:7])
             if words[7]:
                 found["GPS_SPEED"] = _number(words[7]) * KNOT
@@ -89,14 +55,14 @@ def _values(words: list[str]) -> dict[str, float] | None:
             return found
         case "GGA":
             if words[6] in ("", "0"):
-                return None
+                return NO_FIX
             found = _position(words[2:6])
             if words[9]:
                 found["GPS_ALT"] = _number(words[9])
             return found
         case "VTG":
             if len(words) > 9 and words[9] == "N":
-                return None
+                return NO_FIX
             found = {}
             if words[1]:
                 found["GPS_COURSE"] = _number(words[1])

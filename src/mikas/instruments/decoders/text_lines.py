@@ -6,53 +6,32 @@ line of a connection may lack its begin (“4.7” of “14.7”), which nothing
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Mapping
 from typing import Final
 
+from mikas.i18n import Text
+from mikas.instruments.decoders.lines import LineDecoder
 from mikas.instruments.decoders.patterns import LinePattern
-from mikas.instruments.decoders.splitting import LineSplitter
-from mikas.instruments.events import (
-    NOT_UNDERSTOOD,
-    OUT_OF_RANGE,
-    TOO_LONG,
-    InstrumentEvent,
-    InstrumentValues,
-    NoValues,
-)
+from mikas.instruments.events import NOT_UNDERSTOOD, OUT_OF_RANGE, Fits
 
 LONGEST_LINE: Final = 256
 
 
-class TextLineDecoder:
-    """Decodes lines by `patterns`. `fits`: whether a channel can have a value."""
+class TextLineDecoder(LineDecoder):
+    """Decodes lines by `patterns`."""
 
-    def __init__(
-        self, patterns: tuple[LinePattern, ...], fits: Callable[[Mapping[str, float]], bool]
-    ) -> None:
-        self._patterns, self._fits = patterns, fits
-        self._lines = LineSplitter(LONGEST_LINE, skips_first=True)
+    longest = LONGEST_LINE
+    skips_first = True
 
-    def drop(self) -> None:
-        """As `InstrumentDecoder.drop`."""
-        self._lines.drop()
+    def __init__(self, patterns: tuple[LinePattern, ...], fits: Fits) -> None:
+        super().__init__(fits)
+        self._patterns = patterns
 
-    def feed(self, data: bytes) -> list[InstrumentEvent]:
-        """As `InstrumentDecoder.feed`."""
-        return list(self._events(data))
-
-    def _events(self, data: bytes) -> Iterator[InstrumentEvent]:
-        for line in self._lines.feed(data):
-            if not line.is_whole:
-                yield NoValues(line.end, TOO_LONG, line.data)
-                continue
-            reason, text = NOT_UNDERSTOOD, line.data.decode("utf-8", "replace").strip()
-            if not text:
-                continue
-            for pattern in self._patterns:
-                values = pattern.values(text)
-                if values is not None and self._fits(values):
-                    yield InstrumentValues(line.end, values)
-                    break
-                reason = reason if values is None else OUT_OF_RANGE
-            else:
-                yield NoValues(line.end, reason, line.data)
+    def _decoded(self, line: bytes) -> Mapping[str, float] | Text:
+        text = line.decode("utf-8", "replace").strip()
+        if not text:
+            return {}
+        matched = [found for each in self._patterns if (found := each.values(text)) is not None]
+        if not matched:
+            return NOT_UNDERSTOOD
+        return next(filter(self._fits, matched), OUT_OF_RANGE)
