@@ -133,6 +133,19 @@ def test_a_url_that_makes_no_sense_is_the_caller_s_mistake():
         Examined(url="nosuch://x")
 
 
+def test_a_busy_computer_that_holds_back_writes_is_no_bad_echo(monkeypatch):
+    writes = []
+
+    def write(link: WithChip, data: bytes) -> None:
+        writes.append(data)
+        if len(writes) % 4 == 0:
+            link.link.gather(link.now() + 1.6)
+        link.link.write(data)
+
+    monkeypatch.setattr(WithChip, "write", write, raising=False)
+    assert Examined("&lost=1").steps["baud"].detail.en == "about 9600 bit/s"
+
+
 def test_the_baud_rate_is_measured_by_the_echo_also_where_no_ecu_answers():
     found = Examined("&lost=1")
     assert found.names == ["port", "echo", "baud", "ecu"]

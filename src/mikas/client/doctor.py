@@ -193,8 +193,8 @@ def _timed_echo(link: Link, body: bytes) -> float:
         pass
     wire, heard = encode(body), b""
     began = link.now()
-    deadline = began + 4 * len(wire) * link.byte_time + 1
-    link.write(wire)
+    link.write(wire)  # which a busy computer may hold back
+    deadline = link.now() + 4 * len(wire) * link.byte_time + 1
     while len(heard) < len(wire):
         chunk = link.read(deadline)
         heard += chunk.data

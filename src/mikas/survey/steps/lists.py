@@ -61,7 +61,7 @@ def _stream(unit: SurveyedUnit, datum: c.Datum, count: int) -> CountedResponse:
         response = CountedResponse(0, "silent")
         with unit.tester.stream(command) as stream:
             try:
-                deadline = line.sent_until + seconds + 3 * count * unit.tester.link.byte_time
+                deadline = line.sent_at_latest + seconds + 3 * count * unit.tester.link.byte_time
                 if stream.read(deadline, raise_errors=True) is not None:
                     response = CountedResponse(count, None)
             except errors.NotSupported:
