@@ -29,6 +29,7 @@ export const t = dictionary({
     en: "Some units ignore a request that comes too soon after their response. mikas finds out the pause by itself, and remembers it with the unit. Set it only where values fail again and again; it holds until the port is left.",
     ru: "Бывают блоки, которые не замечают запрос, посланный сразу после их ответа. Нужную паузу mikas находит сам и запоминает вместе с блоком. Задавайте её, только если значения раз за разом не читаются; действует, пока порт не отключён.",
   },
+  pause_kind: { en: "How the pause is chosen", ru: "Откуда пауза" },
   pause_auto: { en: "By itself", ru: "Сама" },
   pause_own: { en: "My own", ru: "Своя" },
   pause_ms: { en: "Pause, ms", ru: "Пауза, мс" },
