@@ -109,7 +109,7 @@ _INSTRUCTIONS: Final = {
     ),
     CarState.STARTING: _Instruction(
         Text(
-            "Neutral, handbrake, fresh air. START the engine now; let it turn a few seconds.",
+            "Neutral, handbrake, fresh air. START the engine now.",
             "Нейтраль, ручной тормоз, свежий воздух. ПУСТИТЕ двигатель сейчас.",
         ),
         _between(0, RUNNING),
