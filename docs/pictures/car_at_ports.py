@@ -1,7 +1,8 @@
 """A virtual car at ports, the program that reads it, and a tab that shows it: as with a real car.
 
-The unit, a λ meter and a GPS receiver are at a port each (Linux, macOS). The program keeps nothing
-of the user's own. Chromium has to be installed; it runs only while a tab is shown.
+The unit, a λ meter and a GPS receiver are at a port each (Linux, macOS), or in the program itself,
+where a busy computer leaves no gaps. The program keeps nothing of the user's own. Chromium has to
+be installed; it runs only while a tab is shown.
 """
 
 from __future__ import annotations
@@ -28,32 +29,41 @@ PORT = 8077
 ADDRESS = f"http://127.0.0.1:{PORT}"
 CLIENT = "pictures-0002"
 WORK = Path("/tmp/car")  # it is on pictures
+MIKAS = (sys.executable, "-m", "mikas")
 UNIT, METER, GPS = (str(WORK / name) for name in ("ttyUSB0", "ttyUSB1", "ttyUSB2"))
 
 
 @contextmanager
-def program(scenario: str, *options: str) -> Iterator[None]:
+def program(scenario: str) -> Iterator[None]:
+    """Run the program with a virtual car in this scenario in it."""
+    shutil.rmtree(WORK, ignore_errors=True)
+    WORK.mkdir()
+    with _dashboard(f"sim:?scenario={scenario}"):
+        yield
+
+
+@contextmanager
+def program_at_ports(scenario: str) -> Iterator[None]:
     """Run a virtual car in this scenario, and the program at its port."""
     shutil.rmtree(WORK, ignore_errors=True)
     WORK.mkdir()
-    mikas = [sys.executable, "-m", "mikas"]
     beside = ["--instrument", "aem", "--instrument", "nmea"]
-    served = [*mikas, "sim", "--scenario", scenario, *beside, *options]
+    served = [*MIKAS, "sim", "--scenario", scenario, *beside]
     with subprocess.Popen(served, stdout=subprocess.PIPE, text=True) as car:
         assert car.stdout
         try:
             for link in (UNIT, METER, GPS):
                 Path(link).symlink_to(car.stdout.readline().strip().rpartition("=")[2])
-            with _dashboard(mikas):
+            with _dashboard(UNIT):
                 yield
         finally:
             car.terminate()
 
 
 @contextmanager
-def _dashboard(mikas: Sequence[str]) -> Iterator[None]:
+def _dashboard(port: str) -> Iterator[None]:
     command = [
-        *mikas, "dash", "--port", UNIT, "--host-port", str(PORT), "--no-browser",
+        *MIKAS, "dash", "--port", port, "--host-port", str(PORT), "--no-browser",
         "--record", str(WORK / "recordings"),
     ]  # fmt: skip
     kept = os.environ | {"MIKAS_STATE": str(WORK / "state")}

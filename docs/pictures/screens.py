@@ -7,6 +7,7 @@ from the repository's root, with Chromium installed: python docs/pictures/screen
 from __future__ import annotations
 
 import json
+import os
 import shutil
 import subprocess
 import sys
@@ -48,7 +49,9 @@ def demo(folder: str) -> Iterator[None]:
         sys.executable, "-m", "mikas", "demo", "--scenario", "city", "--faults", FAULTS,
         "--host-port", str(PORT), "--no-browser", "--record", folder,
     ]  # fmt: skip
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT) as program:
+    own = os.environ | {"MIKAS_STATE": f"{folder}-state"}  # nothing of the user's on the pictures
+    out = subprocess.PIPE
+    with subprocess.Popen(command, stdout=out, stderr=subprocess.STDOUT, env=own) as program:
         assert program.stdout
         program.stdout.readline()  # its address: it listens
         try:
@@ -111,7 +114,8 @@ def main(wanted: list[str]) -> None:
     """Take all pictures, or those of the screens that are named."""
     program = next(filter(None, map(shutil.which, ("chromium", "google-chrome"))))
     folder = "/tmp/mikas"  # it is on a picture
-    shutil.rmtree(folder, ignore_errors=True)
+    for left in (folder, f"{folder}-state"):
+        shutil.rmtree(left, ignore_errors=True)
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=program, args=["--no-sandbox"])
         with demo(folder):

@@ -76,6 +76,14 @@ def test_what_is_only_shown_has_no_start_value(open_idle):
     assert look(open_idle, "RCOD")["start"] is None
 
 
+def test_a_proposal_says_the_values_as_each_language_writes_them(open_idle):
+    meaning = propose(open_idle, name="RCOD", value=-0.25)["meaning"]
+    assert "factor: −0.469 → −0.250. " in meaning["en"]
+    assert "ходу: −0,469 → −0,250. " in meaning["ru"]
+    advance = propose(open_idle, name="UOZ", value=12)["meaning"]["en"]
+    assert "→ 12.0\N{NO-BREAK SPACE}°" in advance
+
+
 def test_a_proposal_says_which_limit_of_the_catalog_it_is_beyond(open_idle):
     within = propose(open_idle, name="UOZ", value=12)
     assert within["danger"] is False

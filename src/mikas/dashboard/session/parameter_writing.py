@@ -28,7 +28,9 @@ from mikas.errors import (
     WriteRefused,
 )
 from mikas.i18n import Text
+from mikas.recording.formatting import digits, joined_unit
 
+_UNREADABLE = Text("not readable", "не читается")
 _SILENT = Text(
     "The value is read again: if it is the old one, nothing was written. Check that the ignition "
     "is on, then write once more. A unit that stays silent does not know the command (62).",
@@ -144,9 +146,10 @@ class ParameterWriting:
             make=lambda: self._connection.ask(write),
             danger=beyond is not None,
             meaning=_joined(
-                Text(
-                    f"{parameter.text.en}: {before or 'not readable'} → {after}.",
-                    f"{parameter.text.ru}: {before or 'не читается'} → {after}.",
+                Text("{name}: {before} → {after}.", "{name}: {before} → {after}.").filled(
+                    name=parameter.text,
+                    before=_UNREADABLE if before is None else _in_words(before),
+                    after=_in_words(after),
                 ),
                 beyond,
                 KEEPING_UNKNOWN,
@@ -180,6 +183,15 @@ class ParameterWriting:
                 "двигателе.",
             )
         return None
+
+
+def _in_words(reading: Reading) -> Text:
+    """Return the value with its unit, as the page shows values."""
+    parameter = reading.parameter
+    if parameter.is_flag:
+        return reading.shown
+    unit = parameter.interpretation(reading.interpretation).unit_text
+    return joined_unit(digits(float(reading.value), parameter.decimals), unit)
 
 
 def _crossed(limits: AlarmLimits | None, value: float) -> float | None:

@@ -10,7 +10,7 @@ export const t = dictionary({
   edit: { en: "Edit…", ru: "Изменить…" },
   remove: { en: "Delete", ru: "Удалить" },
   remove_ask: { en: "Delete the action {name}?", ru: "Удалить действие {name}?" },
-  perform: { en: "Do it now", ru: "Выполнить сейчас" },
+  perform: { en: "Do it now", ru: "Сделать сейчас" },
   performed: { en: "Done as a trial: {name}. A recording is not touched.", ru: "Выполнено для пробы: {name}. Запись не тронута." },
   voice: { en: "Sound and voice on this page", ru: "Звук и голос на этой странице" },
   for: { en: "for {n} s", ru: "{n} с подряд" },

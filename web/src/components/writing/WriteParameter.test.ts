@@ -14,7 +14,14 @@ const NOW = { name: "UOZOC", now: value(10, "14"), time: 99, lowest: -40, highes
 const proposal = { nonce: "n", expires: 1e12, before: value(10, "14"), after: value(11, "16"), danger: false, meaning: words("10 → 11") };
 
 /** The sheet over a unit that holds what `held` says; `confirmation`: what becomes of a confirmed write. */
-function sheet({ held = {}, confirmation = {}, unlocked = true, proposed = {} as unknown, journal = [] as object[] } = {}) {
+function sheet({
+  held = {},
+  confirmation = {},
+  unlocked = true,
+  proposed = {} as unknown,
+  journal = [] as object[],
+  channel = angle,
+} = {}) {
   const shown = page({
     "/parameters/UOZOC": () => ({ ...NOW, ...held }),
     "/changes/n": () => (confirmation instanceof Response ? confirmation.clone() : confirmation),
@@ -22,7 +29,7 @@ function sheet({ held = {}, confirmation = {}, unlocked = true, proposed = {} as
     "/journal": { entries: journal },
   });
   shown.say({ unlocked_until: unlocked ? 1e12 : null });
-  shown.show(WriteParameter, { channel: angle, onclose: () => undefined });
+  shown.show(WriteParameter, { channel, onclose: () => undefined });
   const changes = () => shown.asked.filter(({ method, path }) => method === "POST" && path.startsWith("/changes"));
   const reads = () => shown.asked.filter(({ path }) => path.startsWith("/parameters/")).length;
   return { ...shown, changes, reads };
@@ -31,6 +38,12 @@ const button = (name: string | RegExp) => screen.getByRole<HTMLButtonElement>("b
 const field = () => screen.getByRole<HTMLInputElement>("textbox", { name: /New value/ });
 const text = () => screen.getByRole("dialog").textContent.replace(/\s+/g, " ");
 const ready = () => vi.waitFor(() => expect(field().value).toBe("10.0"));
+
+it("a parameter without a unit has no comma or blank in its place", async () => {
+  sheet({ channel: { ...angle, unit: words("") } });
+  await vi.waitFor(() => expect(text()).toContain("−40.0 … 87.5, in steps of 0.5"));
+  expect(field().closest("label")!.textContent.trim()).toBe("New value");
+});
 
 it("a parameter has its value now, its bytes, what can be written and what is dangerous", async () => {
   sheet();

@@ -23,7 +23,7 @@ export const t = dictionary({
   back: { en: "Back to {value}", ru: "Вернуть {value}" },
   back_help: { en: "Writes it at once, without another question.", ru: "Запишет сразу, без вопроса." },
   can: { en: "Can be written", ru: "Можно записать" },
-  bounds: { en: "{low} … {high} {unit}, in steps of {step}", ru: "{low} … {high} {unit}, шаг {step}" },
+  bounds: { en: "{low} … {high}, in steps of {step}", ru: "{low} … {high}, шаг {step}" },
   occurs: { en: "Occurs on an engine", ru: "Бывает на двигателе" },
   dangerous: { en: "Dangerous", ru: "Опасно" },
   below: { en: "below {limit}", ru: "ниже {limit}" },

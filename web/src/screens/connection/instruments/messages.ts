@@ -6,6 +6,7 @@ export const t = dictionary({
     en: "A λ meter, a GPS receiver, this phone's position: their values stand beside the unit's, in gauges, charts and recordings. They never disturb the unit.",
     ru: "Широкополосный λ-метр, приёмник GPS, местоположение телефона: их значения идут рядом со значениями блока — в приборах, на графиках и в записях. Опросу блока они не мешают.",
   },
+  new: { en: "New instrument", ru: "Новый прибор" },
   add: { en: "Add an instrument…", ru: "Добавить прибор…" },
   remove: { en: "Remove", ru: "Убрать" },
   remove_ask: { en: "Remove {name}?", ru: "Убрать {name}?" },
