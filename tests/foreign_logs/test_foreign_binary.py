@@ -210,7 +210,7 @@ def test_an_mdf_of_two_clocks_is_one_table(mdf_of_two_clocks):
 def test_a_damaged_mdf_is_an_error(mdf_of_two_clocks):
     data = mdf_of_two_clocks
     for wrong in (data[:100], data[: len(data) // 2], data[:8] + b"3.30" + data[12:]):
-        with pytest.raises(ForeignLogError, match=r"as MDF4|another version"):
+        with pytest.raises(ForeignLogError, match=r"as MDF4|another version|header is cut"):
             read_log(wrong, "a.mf4")
         gc.collect()
 
@@ -221,3 +221,18 @@ def test_an_mdf_without_the_library_names_the_extra(monkeypatch):
 
     with pytest.raises(MissingExtra, match=r"mikas\[mdf\]"):
         read_log(b"MDF     4.10    ", "a.mf4")
+
+
+def test_an_mdf_without_its_header_block_is_not_given_to_the_library(mdf_of_two_clocks):
+    """It would print a traceback at its end, and name the bytes by their place in memory."""
+    wrong = mdf_of_two_clocks[:64] + b"\xff" * 500
+    with pytest.raises(ForeignLogError, match="byte 64: the header is cut"):
+        read_log(wrong, "a.mf4")
+    gc.collect()
+
+
+def test_the_columns_that_there_are_stand_in_the_languages_own_quotation_marks():
+    with pytest.raises(ForeignLogError) as caught:
+        read_log("Время, с;Обороты\n0;800\n1;801\n".encode(), "a.csv")
+    assert "“Время, с”, “Обороты”" in caught.value.text.en
+    assert "«Время, с», «Обороты»" in caught.value.text.ru

@@ -158,9 +158,10 @@ def _mark_in(cells: Sequence[str]) -> str | None:
 
 
 def _which_time(names: tuple[str, ...]) -> Text:
+    there = listed(names)
     return Text(
-        f"say which column is the time: {listed(names)}",
-        f"укажите, какой столбец — время: {listed(names)}",
+        f"say which column is the time: {there.en}",
+        f"укажите, какой столбец — время: {there.ru}",
     )
 
 

@@ -8,6 +8,7 @@ may claim any number of samples. asammdf does not exist in a browser.
 from __future__ import annotations
 
 import io
+import re
 from collections import Counter
 from collections.abc import Callable
 from datetime import UTC
@@ -33,6 +34,8 @@ from mikas.i18n import Text
 T = TypeVar("T")
 
 FORMAT: Final = "mdf"
+_HEADER_AT: Final = 64
+_AT: Final = re.compile(r"<[\w.]+ object at 0x[0-9a-fA-F]+>")  # the bytes, as asammdf names them
 _MASTERS: Final = (2, 3)  # types of a channel that is the time of its group
 _MOST_MARKS: Final = 10_000
 
@@ -51,6 +54,8 @@ def _guarded(data: bytes, name: str, work: Callable[[MDF], T]) -> T:
     """Return the result of `work` on the opened file."""
     if data[8:9] != b"4":
         raise ForeignLogError(name, _VERSION, offset=8)
+    if data[_HEADER_AT : _HEADER_AT + 4] != b"##HD":
+        raise ForeignLogError(name, _CUT, offset=_HEADER_AT)
     try:
         mdf = MDF(io.BytesIO(data))
         try:
@@ -60,7 +65,7 @@ def _guarded(data: bytes, name: str, work: Callable[[MDF], T]) -> T:
     except MikasError:
         raise
     except Exception as error:  # asammdf raises anything at a damaged file
-        why = f"{type(error).__name__}: {error}"[:200]
+        why = _AT.sub(name, f"{type(error).__name__}: {error}")[:200]
         problem = Text(
             f"can't be read as MDF4 ({why}): copy it again, or save the log as CSV",
             f"не читается как MDF4 ({why}): скопируйте ещё раз или сохраните лог как CSV",
@@ -144,6 +149,10 @@ def _marks(mdf: MDF) -> tuple[ForeignMark, ...]:
 _VERSION: Final = Text(
     "an MDF file of another version than 4: save it as MDF 4 or as CSV",
     "это MDF не версии 4: сохраните лог как MDF 4 или CSV",
+)
+_CUT: Final = Text(
+    "the header is cut or damaged: copy it again, or save the log as CSV",
+    "заголовок оборван или повреждён: скопируйте ещё раз или сохраните лог как CSV",
 )
 _TOO_MANY: Final = Text(
     f"more than {MOST_CELLS:,} values: save a part of the log as a file of its own",

@@ -28,15 +28,20 @@ def taken_of(
     return taken
 
 
-def listed(names: list[str] | tuple[str, ...]) -> str:
+def listed(names: list[str] | tuple[str, ...]) -> Text:
     """Return the first names, in quotation marks."""
-    words = ", ".join(f"“{name[:40]}”" for name in names[:20])
-    return words + (", …" if len(names) > 20 else "")
+    more = ", …" if len(names) > 20 else ""
+    first = [name[:40] for name in names[:20]]
+    return Text(
+        ", ".join(f"“{name}”" for name in first) + more,
+        ", ".join(f"«{name}»" for name in first) + more,
+    )
 
 
 def no_column(wanted: str, names: list[str] | tuple[str, ...]) -> Text:
     """Return the problem of a column that is not there."""
+    there = listed(names)
     return Text(
-        f"there is no column “{wanted[:40]}”; there are: {listed(names)}",
-        f"столбца «{wanted[:40]}» нет; есть: {listed(names)}",
+        f"there is no column “{wanted[:40]}”; there are: {there.en}",
+        f"столбца «{wanted[:40]}» нет; есть: {there.ru}",
     )

@@ -25,9 +25,8 @@ from mikas.foreign_logs import (
     LogChoice,
     LogPreview,
     TextSettings,
-    preview_log,
-    read_log,
 )
+from mikas.foreign_logs.apart import preview_apart, read_apart
 from mikas.i18n import Text
 
 router: Final = APIRouter(prefix="/api/foreign-logs", tags=["recordings"])
@@ -129,7 +128,7 @@ async def preview(
 ) -> Response:
     """Return what a log has, and how a log of text is laid out; the body is the file."""
     data = await _whole(request)
-    return await requester.make(_WORK, lambda: json_of(_shown(preview_log(data, name, settings))))
+    return await requester.make(_WORK, lambda: json_of(_shown(preview_apart(data, name, settings))))
 
 
 @router.post(
@@ -152,11 +151,11 @@ async def values(
     def work() -> Response:
         choice = LogChoice(settings, time_unit=time_unit)
         if columns is not None or time is not None:
-            names = [column.name for column in preview_log(data, name, settings).columns]
+            names = [column.name for column in preview_apart(data, name, settings).columns]
             wanted = None if columns is None else dict.fromkeys(_named(names, columns))
             when = None if time is None else _named(names, str(time))[0]
             choice = LogChoice(settings, when, time_unit, wanted)
-        return JSONResponse(_values(read_log(data, name, choice)))
+        return JSONResponse(_values(read_apart(data, name, choice)))
 
     return await requester.make(_WORK, work)
 
