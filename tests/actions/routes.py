@@ -147,6 +147,11 @@ UNIT = (
     *change({"kind": "write_memory", "space": "xram", "address": 0x9000, "data": "0102"}),
     get("/parameters/{name}", "/parameters/RCOD"),
     *change({"kind": "write_parameter", "name": "RCOD", "value": -0.25}),
+    get("/co", takes={"co": lambda it: it["now"]["raw"]}),
+    post(
+        "/co/step",
+        lambda kept: {"meter": "co", "target": 0.8, "found": kept.co, "figures": [2.0]},
+    ),
     post("/lock"),
     get("/journal"),
     post("/dumps", {"space": "xram", "first": 0x8000, "last": 0x9FFF}, takes=IDENTITY),

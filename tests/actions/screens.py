@@ -88,6 +88,7 @@ ELSEWHERE = {
     "recordings/trip/Screen save": "browser/test_browser_trips.py",
     "sources/SourcePicker together": "browser/test_browser_causes.py",
     "notices/ErrorNotice take": "browser/test_browser_sharing.py",
+    "tests/co/Figure take": "../web/src/screens/tests/co/Co.test.ts",
     "tests/RecordedView show": "browser/test_browser_guided_tests.py",
 }
 """What needs another car, computer or person, and the tests that bring it there: of a browser, or

@@ -37,6 +37,7 @@ SMALL = {
     "GET /api/passport": "read from the line by who controls, or as last read",
     "GET /api/memory/{space}": "1 KiB of the line, by who controls",
     "GET /api/parameters/{name}": "one value of the line, by who controls",
+    "GET /api/co": "four values of the line, by who controls",
     "GET /api/freeze-frames": "thirty frames without their rows",
     "GET /api/freeze-frames/{identity}": "the rows of one frame, some seconds",
     "GET /api/dumps/{id}": "one dump's map of 256 cells",

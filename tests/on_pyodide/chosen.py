@@ -6,7 +6,7 @@ from __future__ import annotations
 PARTS = {
     "the API": (
         "test_access.py", "test_api_actions.py", "test_api_cars.py", "test_api_causes.py",
-        "test_api_channels.py", "test_api_connection.py",
+        "test_api_channels.py", "test_api_co.py", "test_api_connection.py",
         "test_api_errors.py", "test_api_exports.py", "test_api_foreign.py",
         "test_api_foreign_logs.py", "test_api_guided_tests.py", "test_api_instrument_formulas.py",
         "test_api_instruments.py",

@@ -50,6 +50,7 @@ import { MemoryStore } from "./screens/memory/store.svelte";
 import { PassportStore } from "./screens/passport/store.svelte";
 import { Comparing } from "./screens/recordings/compare/comparing.svelte";
 import { RecordingStore } from "./screens/recordings/store.svelte";
+import { CoStore } from "./screens/tests/co/store.svelte";
 import { RecordedTests } from "./screens/tests/recorded.svelte";
 import { Tests } from "./screens/tests/store.svelte";
 
@@ -103,6 +104,7 @@ export class Stores extends OnHost {
 
   readonly faults = new FaultStore(this);
   readonly tests = new Tests(this);
+  readonly co = new CoStore(this);
   readonly recorded = new RecordedTests(this.api);
   readonly causes = new CauseStore(this);
   readonly passports = new PassportStore(this);

@@ -30,6 +30,7 @@ from mikas.dashboard.api import (
     virtual_cars,
 )
 from mikas.dashboard.api.actions import routes as actions
+from mikas.dashboard.api.co import routes as co
 from mikas.dashboard.api.instruments import routes as instruments
 from mikas.dashboard.api.library import (
     cars,
@@ -65,7 +66,7 @@ Live data: WebSocket `/api/live?client=…`, described in docs/reference/api.md.
 _PARTS = (catalog, channels, connection, live, network, unit, virtual_cars,
           guided_tests, dumps, changes, recordings, references, files, foreign_logs, cars, recorded,
           marks, report, search, causes, actions, surveys,
-          instruments, trips)  # fmt: skip
+          instruments, trips, co)  # fmt: skip
 
 # The routes themselves, of all applications of the process. Those of a router that is included are
 # analysed by FastAPI once more, at the first request: a second in a browser.

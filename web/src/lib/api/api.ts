@@ -133,6 +133,8 @@ export function createApi(host: Transport) {
     tryAction: (rule: Api.ActionRule) => post<Api.ActionTrial>("/actions/try", rule),
     performAction: (name: string) => post<Api.Actions>(`/actions/${part(name)}/perform`),
     parameter: (name: string) => get<Api.WritableParameter>(`/parameters/${part(name)}`),
+    co: () => get<Api.CoNow>("/co"),
+    coStep: (body: Api.CoStepRequest) => post<Api.CoStep>("/co/step", body),
     journal: () => get<Api.Journal>("/journal"),
 
     startRecording: (name: string | null = null) => post<Api.State>("/recording/start", { name }),

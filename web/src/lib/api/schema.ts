@@ -485,6 +485,50 @@ export interface components {
             text: components["schemas"]["TwoTexts"];
         };
         /**
+         * @description What to do.
+         * @enum {string}
+         */
+        CoOutcome: "set" | "write" | "stop";
+        /** @description What the unit has now. `problems`: why nothing may be set now; empty: it is warm idle. */
+        CoResponse: {
+            now: components["schemas"]["CoValue"];
+            values: {
+                [key: string]: number;
+            };
+            problems: components["schemas"]["TwoTexts"][];
+            meters: components["schemas"]["MeterBounds"][];
+        };
+        /**
+         * @description An adjustment so far. `found`: the byte at its begin; `figures`: of the meter, all of them,
+         *     the last one belongs to the present byte; `within` null: as usual.
+         */
+        CoStepRequest: {
+            meter: components["schemas"]["MixtureMeter"];
+            target: number;
+            within?: number | null;
+            found: string;
+            figures: number[];
+        };
+        /**
+         * @description What to do. With `problems` nothing, and the last figure does not count.
+         *
+         *     `next`: of `write` the byte to write, of `stop` the one to put back, of `set` the present one.
+         *     `turned`: the unit was found to count the other way just now.
+         */
+        CoStepResponse: {
+            outcome: components["schemas"]["CoOutcome"];
+            next: components["schemas"]["CoValue"];
+            why: components["schemas"]["TwoTexts"];
+            turned: boolean;
+            now: components["schemas"]["CoValue"];
+            problems: components["schemas"]["TwoTexts"][];
+        };
+        /** @description RCOD: its byte in hex, and its value. */
+        CoValue: {
+            raw: string;
+            value: number;
+        };
+        /**
          * @description What an owner says of the car.
          * @enum {string}
          */
@@ -1039,6 +1083,13 @@ export interface components {
             data: string;
             time: number;
         };
+        /** @description The figures that a meter can show, and how near to the goal is near enough. */
+        MeterBounds: {
+            meter: components["schemas"]["MixtureMeter"];
+            lowest: number;
+            highest: number;
+            within: number;
+        };
         /** @description The method changes. `rates`: cycles a second of each measured method; 0: it failed. */
         MethodEvent: {
             /**
@@ -1076,6 +1127,11 @@ export interface components {
             unsteady: number;
             lean: number;
         };
+        /**
+         * @description What the person measures with: CO in per cent, or λ.
+         * @enum {string}
+         */
+        MixtureMeter: "co" | "lambda";
         /** @description The name of the marker with exactly that time. */
         NamedMarker: {
             time: number;

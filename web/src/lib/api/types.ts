@@ -104,6 +104,11 @@ export type Found = Schemas["FoundResponse"];
 export type KeptSearch = Schemas["KeptSearch"];
 export type Searches = Schemas["SearchList"];
 
+export type CoNow = Schemas["CoResponse"];
+export type CoMeter = CoNow["meters"][number]["meter"];
+export type CoStep = Schemas["CoStepResponse"];
+export type CoStepRequest = Schemas["CoStepRequest"];
+
 export type Trip = Schemas["TripResponse"];
 export type TripSums = Schemas["TripSums"];
 export type TripWay = Schemas["WayInfo"];

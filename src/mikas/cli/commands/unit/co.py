@@ -13,6 +13,7 @@ from mikas.cli.language import decimal, localized, tr
 from mikas.cli.options.parameter_types import positive
 from mikas.cli.render.terminal import write_error
 from mikas.errors import NotConfirmed, usage_error
+from mikas.guided.co_conditions import CHANNEL, NEEDED, idle_problems, not_kept
 from mikas.guided.co_setting import (
     BOUNDS,
     WITHIN,
@@ -27,10 +28,6 @@ if TYPE_CHECKING:
     from mikas.catalog import Parameter
     from mikas.client import Ecu
 
-_NAME: Final = "RCOD"
-_SPEEDS: Final = (500.0, 1300.0)
-_WARM: Final = 70.0
-_CLOSED: Final = 5.0
 _WHAT: Final = Text("set the idle CO by RCOD", "регулировка СО холостого хода через RCOD")
 
 
@@ -99,11 +96,11 @@ def co(
             "There is no terminal to ask for the meter's figure at; give it by --measured",
             "Нет терминала, чтобы спросить показание; задайте его ключом --measured",
         )
-    parameter = context.options.catalog.parameter(_NAME)
+    parameter = context.options.catalog.parameter(CHANNEL)
     confirm = context.confirm(yes=yes, meaning=partial(_meaning, parameter))
     with context.ecu(confirm) as ecu:
         _check_idle(ecu)
-        found = ecu.read(_NAME)[_NAME].raw[0]
+        found = ecu.read(CHANNEL)[CHANNEL].raw[0]
         setting = CoSetting(found, target, within or WITHIN[meter], meter)
         adjusting = _Adjusting(context, ecu, parameter, setting)
         adjusting.run(measured)
@@ -154,11 +151,11 @@ class _Adjusting:
     def _write(self, raw: int) -> None:
         """Write the byte, after a confirmation, unless the unit has it."""
         if self._held() != raw:
-            self.ecu.write_parameter(_NAME, raw=bytes([raw]))
+            self.ecu.write_parameter(CHANNEL, raw=bytes([raw]))
             self.has_written = True
 
     def _held(self) -> int:
-        return self.ecu.read(_NAME)[_NAME].raw[0]
+        return self.ecu.read(CHANNEL)[CHANNEL].raw[0]
 
     def _check_held(self) -> None:
         """Raise if the unit has another value than the written one: it sets that itself."""
@@ -167,12 +164,7 @@ class _Adjusting:
             wrote, has = (_value(self.parameter, each) for each in (self.setting.raw, held))
             raise NotConfirmed(
                 change=_WHAT,
-                how=Text(
-                    f"RCOD was written as {wrote} and is {has} now: the unit sets it by itself. "
-                    "Where a CO potentiometer is fitted, turn that.",
-                    f"В RCOD записано {wrote}, а теперь там {has}: блок задаёт его сам. Если стоит "
-                    "потенциометр СО, регулируйте им.",
-                ),
+                how=not_kept(wrote, has),
             )
 
     def _asked(self) -> float:
@@ -231,29 +223,8 @@ class _Adjusting:
 
 def _check_idle(ecu: Ecu) -> None:
     """Raise `NotConfirmed` if the engine is not at warm idle: another mixture would be set."""
-    values = {name: float(each.value) for name, each in ecu.read("FREQ", "TWAT", "THR").items()}
-    problems: list[Text] = []
-    if not _SPEEDS[0] <= values["FREQ"] <= _SPEEDS[1]:
-        problems.append(
-            Text(
-                f"the engine turns at {values['FREQ']:.0f} rpm, not at idle",
-                f"обороты {values['FREQ']:.0f}, это не холостой ход",
-            )
-        )
-    if values["TWAT"] < _WARM:
-        problems.append(
-            Text(
-                f"the coolant has {values['TWAT']:.0f} °C, {_WARM:.0f} are needed",
-                f"охлаждающая жидкость {values['TWAT']:.0f} °C, нужно {_WARM:.0f}",
-            )
-        )
-    if values["THR"] > _CLOSED:
-        problems.append(
-            Text(
-                f"the throttle is open by {values['THR']:.0f} %",
-                f"дроссель открыт на {values['THR']:.0f} %",
-            )
-        )
+    values = {name: float(each.value) for name, each in ecu.read(*NEEDED).items()}
+    problems = idle_problems(values)
     if problems:
         how = Text(*("; ".join(texts) for texts in zip(*problems, strict=True)))
         raise NotConfirmed(

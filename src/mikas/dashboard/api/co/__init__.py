@@ -1,0 +1,1 @@
+"""Setting the idle CO by a meter."""
