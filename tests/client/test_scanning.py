@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mikas.client import Answer, ScannedCode
+from mikas.client.scanning import Scan
 from mikas.errors import LineError, NoConnection
 from mikas.virtual.fault_injector import FaultInjector, LineFault
 from virtual_harness import DATA
@@ -55,6 +56,20 @@ def test_every_datum_with_its_size_and_nothing_else(data, raw_checksum, unknown)
 @pytest.mark.parametrize("data", [DATA, ODD, {0x55: b"\x01"}], ids=["known", "odd", "one"])
 def test_a_unit_that_takes_one_code_a_request_is_scanned(data, long_list):
     assert data_of(scanned(bench(data, max_list=1, long_list=long_list))) == data
+
+
+@pytest.mark.parametrize("unknown", ["silent", "01"])
+def test_a_second_scan_asks_once_for_what_is_01_again_and_finds_the_same(unknown):
+    found, requests = [], []
+    for once in (False, True):
+        it = bench(ODD, max_list=1, unknown=unknown)
+        with ecu_on(it) as ecu:
+            scan = Scan(ecu.tester, once=once)
+            found.append({each.code: (each.answer, each.raw) for each in scan.codes()})
+        requests.append(len(it.requests(0x61)))
+    assert found[0] == found[1]
+    most = 0.6 if unknown == "01" else 1.0
+    assert requests[1] <= most * requests[0]
 
 
 def test_one_code_a_request_and_01_for_the_others_leaves_01_unclear():

@@ -53,13 +53,19 @@ class ScannedCode:
 
 class Scan:
     """One scan of `codes`. `known`: those to request first, so that the way of asking is known
-    early.
+    early. `once`: an answer 01 is taken at its first scan, as another scan had the code before.
     """
 
     def __init__(
-        self, tester: Tester, known: Sequence[int] = (), codes: Iterable[int] = range(0x100)
+        self,
+        tester: Tester,
+        known: Sequence[int] = (),
+        codes: Iterable[int] = range(0x100),
+        *,
+        once: bool = False,
     ) -> None:
         self._tester = tester
+        self._once = once
         self._order = tuple(dict.fromkeys((*known, *codes)))
         self._pairs: bool | None = None  # whether the unit answers a code twice in one request
         self._failed_pairs = 0
@@ -73,15 +79,15 @@ class Scan:
 
         Raises `NoConnection`, `SyncLost`, `LineNotQuiet`.
         """
-        unclear = []
+        unclear: dict[int, ScannedCode] = {}
         for code in self._order:
             found = self._examine(code)
             self._count[found.answer] += 1
             if found.answer is Answer.UNCLEAR:
-                unclear.append(code)
+                unclear[code] = found
             yield found
-        for code in unclear:
-            found = self._examine(code)
+        for code, before in unclear.items():
+            found = before if self._once and before.raw == _ONE else self._examine(code)
             if found.raw == _ONE and found.answer is Answer.UNCLEAR:
                 found = ScannedCode(code, self._meaning_of_one(), _ONE, found.time)
             yield found

@@ -39,7 +39,7 @@ def scan_again(unit: SurveyedUnit, measured: Measured, person: Prompter) -> None
     ]
     if left:  # the first one shows how the unit is to be asked
         known = [code for code in unit.sizes if unit.sizes[code] == 1][:1]
-        _scan(unit, again, person, [*known, *left], slowest(measured))
+        _scan(unit, again, person, [*known, *left], slowest(measured), once=True)
 
 
 def _scan(
@@ -48,11 +48,13 @@ def _scan(
     person: Prompter,
     codes: Sequence[int],
     seconds: float,
+    *,
+    once: bool = False,
 ) -> None:
-    """Request `codes`; `seconds`: the longest turn-round so far."""
+    """Request `codes`; `seconds`: the longest turn-round so far, `once`: as of `Scan`."""
     done = 0
     with unit.hasty(seconds):
-        for each in Scan(unit.tester, codes, ()).codes():
+        for each in Scan(unit.tester, codes, (), once=once).codes():
             found[f"{each.code:02X}"] = {
                 "answer": each.answer.value,
                 "raw": each.raw.hex().upper(),
