@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from mikas.conditions.addresses import check_webhook
 from mikas.conditions.webhooks import WAITING, LoopbackTarget, Webhooks, post, resolved
 from mikas.errors import UsageError
+from mikas.i18n import Text
 
 pytestmark = pytest.mark.realtime
 
@@ -175,6 +176,31 @@ def test_a_slow_program_gets_no_more_than_so_many(monkeypatch):
         hooks.send("http://127.0.0.1:9/", b"{}")
     assert ["too slow" in it.en for it in failures] == [True]
     hold.set()
+    hooks.close()
+
+
+@pytest.mark.parametrize("answer", [None, Text("no answer", "нет ответа")])
+def test_a_slow_program_is_said_once_though_some_requests_are_done(monkeypatch, answer):
+    """Else each one that is done or fails, and the next one without room, would be said in turn."""
+    ready, failures = threading.Semaphore(0), []
+    done = threading.Semaphore(0)
+
+    def wait(target, body):
+        done.release()
+        assert ready.acquire(timeout=PATIENCE)
+        return answer
+
+    monkeypatch.setattr("mikas.conditions.webhooks.post", wait)
+    hooks = Webhooks(["http://127.0.0.1:9/"], failures.append)
+    for _ in range(5):
+        for _ in range(WAITING + 2):  # one of them is being sent
+            hooks.send("http://127.0.0.1:9/", b"{}")
+        assert done.acquire(timeout=PATIENCE)
+        ready.release()
+    assert done.acquire(timeout=PATIENCE)
+    assert len(failures) == (1 if answer is None else 2)
+    for _ in range(10 * WAITING):
+        ready.release()
     hooks.close()
 
 

@@ -88,7 +88,7 @@ class Webhooks:
     def __init__(self, urls: Iterable[str], on_failure: Callable[[Text], object]) -> None:
         self._targets = {url: resolved(url) for url in dict.fromkeys(urls)}
         self._on_failure = on_failure
-        self._said: dict[str, Text] = {}  # by address, until one succeeds
+        self._said: dict[str, set[Text]] = {}  # by address, until nothing waits and one succeeds
         self._queue: queue.Queue[tuple[LoopbackTarget, bytes] | None] = queue.Queue(WAITING)
         self._thread = threading.Thread(target=self._run, name="webhooks", daemon=True)
         if self._targets:
@@ -116,13 +116,15 @@ class Webhooks:
             target, body = waiting
             failure = post(target, body)
             if failure is None:
-                self._said.pop(target.url, None)
+                if self._queue.empty():
+                    self._said.pop(target.url, None)
             else:
                 self._say(target.url, failure)
 
     def _say(self, url: str, failure: Text) -> None:
-        if self._said.get(url) != failure:
-            self._said[url] = failure
+        said = self._said.setdefault(url, set())
+        if failure not in said:
+            said.add(failure)
             self._on_failure(failure)
 
 
