@@ -173,3 +173,43 @@ def test_a_value_has_the_time_of_its_own_last_byte_at_the_ports_speed(
     assert times == pytest.approx([100.0 - behind * byte_time] * 2)
     port = instrument_port(chosen.definition, chosen.url)
     assert 10 / port.speed == pytest.approx(byte_time)
+
+
+class Flapping(OneChunk):
+    """A port that is lost `lasts` seconds after each opening, with a value in between."""
+
+    def __init__(self, lasts: float) -> None:
+        super().__init__(b"\r\n14.7\r\n")
+        self.lasts, self.time = lasts, 100.0
+        self.opened: list[float] = []
+
+    def open(self) -> None:
+        self.opened.append(self.time)
+
+    def read(self) -> list[Chunk]:
+        if self.time - self.opened[-1] >= self.lasts:
+            raise LinkLost(url="/dev/meter", problem=GONE)
+        return [Chunk(self.data, self.time)]
+
+
+@pytest.mark.parametrize(
+    ("lasts", "pauses"), [(0.25, [1, 2, 4, 5, 5]), (6.0, [1, 1, 1])], ids=["flapping", "lasting"]
+)
+def test_one_that_is_lost_again_at_once_is_tried_less_and_less_often(lasts, pauses) -> None:
+    """A line that floods gives values before it is given up: three messages each second, else."""
+    (chosen,) = chosen_instruments(["aem=/dev/meter"], shipped())
+    source, changes = Flapping(lasts), list[InstrumentChange]()
+    reader = InstrumentReader(
+        0,
+        chosen,
+        source,
+        source,
+        clock=lambda: source.time,
+        report=changes.append,
+        comments=(CONNECTED, loss),
+    )
+    while len(source.opened) <= len(pauses):
+        reader.poll()
+        source.time += 0.125
+    between = [b - a - lasts for a, b in zip(source.opened, source.opened[1:], strict=False)]
+    assert between == pytest.approx(pauses, abs=0.13)

@@ -27,6 +27,7 @@ from mikas.link.base import BITS_PER_BYTE
 
 _FIRST_RETRY: Final = 1.0  # s
 _LONGEST_RETRY: Final = 5.0
+_LASTING: Final = 5.0  # s of a connection with values, after which a loss is a new one
 _SILENT: Final = 3.0  # s without a value, at least
 
 
@@ -118,6 +119,7 @@ class InstrumentReader:
         self.reason: Text | None = None
         """Why it is lost or silent; None: it is not."""
         self._retry, self._due = _FIRST_RETRY, float("-inf")
+        self._opened = 0.0
         self._valued = 0.0  # when it last gave a value, or was connected
         self._why: Text | None = None  # the reason of the last bytes without a value
         self._is_open = False
@@ -131,7 +133,7 @@ class InstrumentReader:
                     return False
                 self._source.open()
                 self._is_open = True
-                now = self._valued = self._clock()
+                now = self._valued = self._opened = self._clock()
                 self._decoder.drop()
                 self._sink.record_instrument(self._number, b"", now, self._begun)
                 self._change(now, InstrumentState.CONNECTED)
@@ -169,7 +171,7 @@ class InstrumentReader:
                 for name, value in event.values.items():
                     reading = InstrumentReading(self._channels[name], value, at)
                     self._latest[name] = reading
-            self._retry, self._valued, self._why = _FIRST_RETRY, time, None
+            self._valued, self._why = time, None
             if self.state is not InstrumentState.VALUES:
                 self._change(time, InstrumentState.VALUES)
 
@@ -180,6 +182,8 @@ class InstrumentReader:
         self._source.reset()
         with self._lock:
             self._latest.clear()
+        if was_open and self._valued > self._opened and now - self._opened > _LASTING:
+            self._retry = _FIRST_RETRY
         self._due = now + self._retry
         self._retry = min(2 * self._retry, _LONGEST_RETRY)
         if was_open:
