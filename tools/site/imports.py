@@ -29,6 +29,7 @@ DESKTOP: Mapping[str, Mapping[str, str]] = MappingProxyType(
             "mikas.conditions.webhooks": _NETWORK,
         },
         "mikas/dashboard/security/certificate.py": {"cryptography": _TLS},
+        "mikas/foreign_logs/apart.py": {"multiprocessing": _MDF},
         "mikas/foreign_logs/opening.py": {"mikas.foreign_logs.mdf": _MDF},
         "mikas/link/ports.py": {"serial": "lists the system's ports; the site lists the browser's"},
         "mikas/notebook/recording.py": {"mikas.notebook": _NOTEBOOK},
