@@ -350,13 +350,11 @@ class Session(Iterator[Sampled]):
     def _with_instruments(self, events: Iterator[Event]) -> Iterator[Event]:
         """Yield the events, the samples with what the instruments give; and their changes."""
         beside = self.instruments
-        if beside is None:
-            yield from events
-            return
-        samples = SamplesBeside(beside.channels)
-        for event in events:
-            yield from map(InstrumentChanged.of, beside.follow())
-            if not isinstance(event, Sampled):
+        samples = SamplesBeside(beside.channels if beside else ())
+        for event in events:  # no `yield from`: only the caller closes `events`
+            if beside is not None:
+                yield from map(InstrumentChanged.of, beside.follow())
+            if beside is None or not isinstance(event, Sampled):
                 yield event
                 continue
             values = beside.fresh(event.time)
