@@ -123,7 +123,14 @@ def writing(tab: Tab) -> None:
 
 
 def trip(tab: Tab) -> None:
-    """Take the trip in the report on the recording."""
+    """Take the trip of the recording, on its own screen and in the report."""
+    recording = ask("/recordings", method="GET")["recordings"][0]["id"]
+    tab.show(f"recordings/trip/{recording}")
+    way = tab.page.locator("[data-way] path").first
+    way.wait_for()
+    tab.page.set_viewport_size({"width": 1280, "height": 1000})
+    tab.take("trip")
+    tab.page.set_viewport_size(DESKTOP)
     tab.show("recordings")
     tab.page.locator('#screen tbody a[href*="report"]').first.click()
     page = tab.page.frame_locator("iframe")
