@@ -10,21 +10,9 @@ from dashboard.rig import OTHER, rig
 from mikas.dashboard.session.survey_run import USUAL, usual_seconds
 from mikas.survey import read_survey
 from mikas.survey.steps.table import STEPS
+from survey.survey_harness import drive
 
 CAR = "sim:?scenario=survey"
-DRIVE = """
-duration = 3600
-after_end = "hold"
-[start]
-ambient = 20
-coolant = 82
-coolant_at_start = 20
-[timeline]
-key = 1
-starter = [[0, 0], [380, 1], [383, 0]]
-throttle = [[0, 0], [700, 0], [702, 6], [1000, 6], [1002, 0]]
-gear = 0
-"""
 
 
 def wait(it, accepted):
@@ -83,9 +71,9 @@ def test_a_survey_without_the_engine_is_shown_and_then_saved(off, tmp_path):
 
 
 def test_instructions_and_questions_lead_to_the_raised_speed(tmp_path):
-    (tmp_path / "drive.toml").write_text(DRIVE, "utf-8")
+    file = drive(tmp_path, starts=380.0, raises=700.0, raised=300.0)
     with rig(tmp_path, None) as it:
-        car = f"sim:?scenario={quote(str(tmp_path / 'drive.toml'))}"
+        car = f"sim:?scenario={quote(str(file))}"
         began = it.cars.clock.now()  # the car's time is a moment later
         it.post("/survey/start", {"port": car, "engine": True, "voltmeter": None})
         start = wait(it, lambda now: now["instruction"] is not None)

@@ -27,11 +27,13 @@ gear = 0
 """
 
 
-def drive(folder: Path, *, starts: float = 240.0, raises: float = 420.0) -> Path:
-    """Returns the file of a scenario: the engine is started, and raised for a minute."""
+def drive(
+    folder: Path, *, starts: float = 240.0, raises: float = 420.0, raised: float = 60.0
+) -> Path:
+    """Returns the file of a scenario: the engine is started, and raised for `raised` seconds."""
     times = {
         "start": starts, "started": starts + 3, "raise": raises, "raised": raises + 2,
-        "lower": raises + 60, "lowered": raises + 62,
+        "lower": raises + raised, "lowered": raises + raised + 2,
     }  # fmt: skip
     file = folder / "drive.toml"
     file.write_text(DRIVE.format_map(times), "utf-8")

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from mikas.client.connecting import ConnectionOptions
     from mikas.link import CaptureTee, Link
     from mikas.recording import CaptureWriter
+    from mikas.recording.recording import Recording
 
 _NO_TERMINAL = Text(
     "There is no terminal to ask on; --yes confirms in advance.",
@@ -124,6 +125,14 @@ class CommandContext:
     def say(self, en: str, ru: str) -> None:
         """Print a sentence on stderr, in the current language."""
         self.output.print_note(cell_text(tr(en, ru)))
+
+    def say_damaged(self, recording: Recording) -> None:
+        """Print how many places of a recording are damaged, if any: the rest is measured."""
+        if count := recording.problem_count:
+            self.say(
+                f"{recording.path}: {count} damaged place(s); the readable rest counts.",
+                f"{recording.path}: повреждённых мест: {count}; взято всё остальное.",
+            )
 
     def say_sent(self) -> None:
         """Print that a request without an expected response was sent."""

@@ -119,41 +119,33 @@ def positive(text: str) -> float:
     )
 
 
+def _within(text: str, low: float, high: float, en: str, ru: str) -> float:
+    """Return the number of `text`, from `low` to `high`; `en`, `ru`: what it must be, in words."""
+    value = _decimal(text)
+    if low <= value <= high:
+        return value
+    ends = (f"{low:.0f}".replace("-", "−"), f"{high:.0f}")
+    raise _invalid(
+        f"“{text}” is not allowed; it must be {en}, from {ends[0]} to {ends[1]}.",
+        f"«{text}» не подходит; нужны {ru}, от {ends[0]} до {ends[1]}.",
+    )
+
+
 def mass(text: str) -> float:
     """Return the mass of a car in kg; a decimal comma is allowed."""
-    value = _decimal(text)
-    if _LIGHTEST <= value <= _HEAVIEST:
-        return value
-    raise _invalid(
-        f"“{text}” is not allowed; it must be kg with driver and load, from {_LIGHTEST:.0f} to "
-        f"{_HEAVIEST:.0f}.",
-        f"«{text}» не подходит; нужны килограммы с водителем и грузом, от {_LIGHTEST:.0f} до "
-        f"{_HEAVIEST:.0f}.",
-    )
+    en, ru = "kg with driver and load", "килограммы с водителем и грузом"
+    return _within(text, _LIGHTEST, _HEAVIEST, en, ru)
 
 
 def gear_speed(text: str) -> float:
     """Return a gear's speed at 1000 rpm in km/h; a decimal comma is allowed."""
-    value = _decimal(text)
-    if _SLOWEST_GEAR <= value <= _FASTEST_GEAR:
-        return value
-    raise _invalid(
-        f"“{text}” is not allowed; it must be km/h at 1000 rpm, from {_SLOWEST_GEAR:.0f} to "
-        f"{_FASTEST_GEAR:.0f}.",
-        f"«{text}» не подходит; нужны км/ч при 1000 об/мин, от {_SLOWEST_GEAR:.0f} до "
-        f"{_FASTEST_GEAR:.0f}.",
-    )
+    en, ru = "km/h at 1000 rpm", "км/ч при 1000 об/мин"
+    return _within(text, _SLOWEST_GEAR, _FASTEST_GEAR, en, ru)
 
 
 def slope(text: str) -> float:
     """Return the slope of a road, in per cent; a decimal comma is allowed."""
-    value = _decimal(text)
-    if -_STEEPEST <= value <= _STEEPEST:
-        return value
-    raise _invalid(
-        f"“{text}” is not allowed; it must be per cent, from −{_STEEPEST:.0f} to {_STEEPEST:.0f}.",
-        f"«{text}» не подходит; нужны проценты, от −{_STEEPEST:.0f} до {_STEEPEST:.0f}.",
-    )
+    return _within(text, -_STEEPEST, _STEEPEST, "per cent", "проценты")
 
 
 def timeout(text: str) -> float:

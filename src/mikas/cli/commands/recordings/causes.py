@@ -101,13 +101,7 @@ def _rank(
     for error in knowledge.errors:
         context.output.print_note(localized(error.reason))
     for recording in recordings:
-        if recording.problem_count:
-            context.say(
-                f"{recording.path}: {recording.problem_count} damaged place(s); the readable rest "
-                "counts.",
-                f"{recording.path}: повреждённых мест: {recording.problem_count}; взято всё "
-                "остальное.",
-            )
+        context.say_damaged(recording)
     complaint: Complaint | None = Complaint(word) if word else None
     ranking = rank_recordings(recordings, complaint=complaint, knowledge=knowledge)
     if context.output.json:

@@ -50,13 +50,7 @@ def trip(context: CommandContext, *, files: tuple[Path, ...], since: str | None)
     first, mark = (0, None) if since is None else since_mark(recordings, since)
     found: list[tuple[Recording, Trip]] = []
     for number, recording in enumerate(recordings[first:]):
-        if recording.problem_count:
-            context.say(
-                f"{recording.path}: {recording.problem_count} damaged place(s); the readable rest "
-                "counts.",
-                f"{recording.path}: повреждённых мест: {recording.problem_count}; взято всё "
-                "остальное.",
-            )
+        context.say_damaged(recording)
         marked = None if number else mark
         found += [(recording, each) for each in trips(recording, marked)]
     total = joined_trips(each for _, each in found)
