@@ -134,7 +134,7 @@ class Line:
         self._ahead = _NOTHING
         now = self.link.now()
         self.gap = now - self.heard
-        self.sent_until = now + len(wire) * self.link.byte_time
+        self.sent_until = self.sent_at_latest = now + len(wire) * self.link.byte_time
         self._log_frame(">", wire)
         with self._noting_suspension():
             self.link.write(wire)

@@ -117,7 +117,7 @@ class LineSync:
             return self.line.wait_for_quiet(seconds, until=self._late_until())
 
     def _late_until(self) -> float:
-        return self.line.sent_at_latest + (self.line.timing.late if self._awaited else 0.0)
+        return self.line.sent_until + (self.line.timing.late if self._awaited else 0.0)
 
     def end_stream(
         self, version_code: int, *, by_strokes: bool, bytes_each: int, leaving: bool = False
