@@ -22,6 +22,7 @@ export const t = dictionary({
   forget_text: { en: "Recordings have it in them and stay readable.", ru: "В записях оно сохранено, они по-прежнему читаются." },
 
   which: { en: "Instrument", ru: "Прибор" },
+  which_none: { en: "Choose an instrument", ru: "Выберите прибор" },
   own_line: { en: "Another one: describe its line of text…", ru: "Другой: описать его строку…" },
   confidence: { en: "Not confirmed with a real instrument; a recording keeps its bytes.", ru: "На настоящем приборе не проверено; в записи сохраняются его байты." },
   port: { en: "Port", ru: "Порт" },
