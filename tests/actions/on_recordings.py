@@ -26,6 +26,7 @@ from .steps import (
     press,
     row,
     saves,
+    says,
     shows,
 )  # fmt: skip
 
@@ -140,6 +141,10 @@ LIST = (
         press("recordings/Screen trip_of", within=FIRST),
         shows("[data-sum=litres]"),
         Shot("trip"),
+        fill("Mass with driver", "1600"),
+        fill("Speed at 1000 rpm", "23"),
+        press("recordings/trip/Power compute"),
+        says("There is no pull in this recording"),
         press("recordings/trip/Screen back"),
         shows(FIRST),
     ),

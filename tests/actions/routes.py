@@ -210,6 +210,7 @@ RECORDED = (
     get("/recordings/{identity}/causes", f"{ONE}/causes"),
     get("/recordings/{identity}/trip", f"{ONE}/trip"),
     get("/recordings/{identity}/trip/{form}", f"{ONE}/trip/geojson", status=400),
+    get("/recordings/{identity}/pulls", f"{ONE}/pulls?mass=1600&per_1000=23"),
     get("/recordings/{identity}/find", f"{ONE}/find?expression=TWAT>0"),
     get("/channels/{name}/value", "/channels/TWAT/value?recording={recording}"),
     post("/channels/try", lambda kept: {"formula": "TWAT / 2", "recording": kept.recording}),

@@ -16,6 +16,7 @@ CHOSEN = (
     "guided/test_guided_engine.py",
     "drives/test_mixture.py",
     "drives/test_overview.py",
+    "drives/test_pulls.py",
     "drives/test_trips.py",
     "recording/export/test_export_csv.py",
     "recording/export/test_export_tracks.py",

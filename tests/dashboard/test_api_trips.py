@@ -186,3 +186,31 @@ def test_without_a_connection_there_is_no_trip(tmp_path):
     with rig(tmp_path, None) as it:
         it.get("/trip", 503)
         it.get("/trip/gpx", 503)
+
+
+def test_a_pull_has_power_and_torque_with_their_doubt(tmp_path):
+    """At 3 m/s² in a gear of 36 km/h at 1000 rpm: the power of the mass, of rolling and of air."""
+    folder = folder_of(tmp_path)
+    unit = [Unit(at / 10, 40 * round(50 + at * 0.75), throttle=90) for at in range(81)]
+    recorded(folder / "pull.pcapng", Session(unit))
+    record(folder / "idle.pcapng", "&scenario=warm-idle", count=100)
+    with rig(tmp_path, None) as it:
+        asked = {"mass": 1000, "per_1000": 36}
+        (pull,) = it.get("/recordings/pull.pcapng/pulls", **asked)["pulls"]
+        assert (pull["speed_from"], pull["per_1000"], pull["slips"]) == ("FREQ", 36, False)
+        point = min(pull["points"], key=lambda each: abs(each["rpm"] - 3500))
+        speed = point["speed"] / 3.6
+        rotating = 1.04 + 0.0025 * (1000 * 3.14159 / 30 * 0.31 / 10) ** 2
+        watts = speed * (1000 * (rotating * 3 + 9.81 * 0.014) + 0.54 * speed**2)
+        assert point["power"] == pytest.approx(watts / 1000, rel=0.05)
+        assert 0 < point["doubt"] < point["power"] / 5
+        assert point["torque_doubt"] / point["torque"] == pytest.approx(
+            point["doubt"] / point["power"], rel=0.05
+        )
+        heavy = it.get("/recordings/pull.pcapng/pulls", mass=2000, per_1000=36)["pulls"][0]
+        assert max(p["power"] for p in heavy["points"]) > max(p["power"] for p in pull["points"])
+        assert it.get("/recordings/idle.pcapng/pulls", **asked)["pulls"] == []
+        error = it.get("/recordings/pull.pcapng/pulls", 400, mass=1000)
+        assert "speed at 1000 rpm" in error["en"]
+        it.get("/recordings/pull.pcapng/pulls", 400, mass=0)
+        it.get("/recordings/none.pcapng/pulls", 404, **asked)

@@ -50,7 +50,7 @@ _OWN_LINKS = dict.fromkeys(("webserial", "webusb"), "mikas.browser.web_serial:op
 # and what computes with arrays of bytes by numpy, in place of which there is a loop.
 _NOT_HERE = (
     "amendments", "cli", "__main__.py", "conditions/messages.py",
-    "conditions/webhooks.py", "drives/pulls.py", "py.typed",
+    "conditions/webhooks.py", "py.typed",
     "dashboard/page", "dashboard/running.py", "foreign_logs/mdf.py",
     "dashboard/server.py", "dissectors", "fleet", "link/failures.py", "link/network.py",
     "link/serial.py", "publish", "recording/export/mdf.py", "recording/export/parquet.py",

@@ -39,6 +39,7 @@ from mikas.dashboard.api.library import (
     files,
     foreign_logs,
     marks,
+    pulls,
     recorded,
     recordings,
     references,
@@ -66,7 +67,7 @@ Live data: WebSocket `/api/live?client=…`, described in docs/reference/api.md.
 _PARTS = (catalog, channels, connection, live, network, unit, virtual_cars,
           guided_tests, dumps, changes, recordings, references, files, foreign_logs, cars, recorded,
           marks, report, search, causes, actions, surveys,
-          instruments, trips, co)  # fmt: skip
+          instruments, trips, pulls, co)  # fmt: skip
 
 # The routes themselves, of all applications of the process. Those of a router that is included are
 # analysed by FastAPI once more, at the first request: a second in a browser.

@@ -119,7 +119,7 @@ def pulls(recording: Recording, settings: PullSettings) -> list[Pull]:
             "FREQ: not in this recording, so no pull can be found",
             "FREQ: в этой записи нет, поэтому разгон не найти",
         )
-    if settings.per_1000 is None and not _has_speed(recording):
+    if settings.per_1000 is None and not has_speed(recording):
         raise usage_error(
             "No GPS was recorded: give the speed at 1000 rpm in the gear of the pull "
             "(--per-1000 KM/H)",
@@ -141,7 +141,8 @@ def pulls(recording: Recording, settings: PullSettings) -> list[Pull]:
     return found
 
 
-def _has_speed(recording: Recording) -> bool:
+def has_speed(recording: Recording) -> bool:
+    """Return whether an instrument measured the speed of the car."""
     return any(each.startswith(SPEED) for each in recording.instrument_channels)
 
 

@@ -168,6 +168,9 @@ export function createApi(host: Transport) {
     /** The trip in a recording, or of the connected car (null), from the mark of that time on. */
     trip: (recording: string | null, since: number | null, colour: string, signal?: AbortSignal) =>
       get<Api.Trip>(`${of(recording, "")}/trip`, { since, colour }, signal),
+    /** Power and torque from the pulls of a recording. `per_1000` null: a GPS has measured the speed. */
+    pulls: (recording: string, car: { mass: number; per_1000: number | null; drag_area: number; slope: number }) =>
+      get<Api.Pulls>(`/recordings/${part(recording)}/pulls`, car),
     wayFile: (recording: string | null, form: "gpx" | "geojson", since: number | null, lang: string) =>
       address(`${of(recording, "")}/trip/${form}`, { since, lang }),
     report: (recording: string | null, lang: string, inline = false) =>

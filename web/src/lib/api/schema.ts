@@ -1372,6 +1372,29 @@ export interface components {
          * @enum {string}
          */
         ProgressPhase: "start" | "prepare" | "until" | "hold" | "done";
+        /** @description One pull. `slips`: the gear seems to change in it by `slip`, its figures are worth little. */
+        PullInfo: {
+            begin: number;
+            end: number;
+            speed_from: string;
+            per_1000: number;
+            slip: number;
+            slips: boolean;
+            points: components["schemas"]["PullPointInfo"][];
+        };
+        /** @description The means of one range of the engine's speed, at the wheels: kW and Nm with their doubt. */
+        PullPointInfo: {
+            rpm: number;
+            speed: number;
+            power: number;
+            doubt: number;
+            torque: number;
+            torque_doubt: number;
+        };
+        /** @description The pulls, the first first. */
+        PullsResponse: {
+            pulls: components["schemas"]["PullInfo"][];
+        };
         /** @description A fault that was stored at the last reading; `first_seen` is the time of a reading. */
         RecordedFault: {
             code: number;

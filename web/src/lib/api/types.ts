@@ -109,6 +109,8 @@ export type CoMeter = CoNow["meters"][number]["meter"];
 export type CoStep = Schemas["CoStepResponse"];
 export type CoStepRequest = Schemas["CoStepRequest"];
 
+export type Pulls = Schemas["PullsResponse"];
+export type Pull = Pulls["pulls"][number];
 export type Trip = Schemas["TripResponse"];
 export type TripSums = Schemas["TripSums"];
 export type TripWay = Schemas["WayInfo"];

@@ -108,3 +108,28 @@ it("without a car there is a way to the connection", () => {
   show(Screen, {});
   expect(document.body.textContent).toContain("A trip is counted from the values of a car");
 });
+
+const point = (rpm: number, power: number) => ({ rpm, speed: rpm / 40, power, doubt: 4, torque: 180, torque_doubt: 8 });
+
+it("a pull is computed with the car's figures, which stay, and has its doubt", async () => {
+  localStorage.clear();
+  const pull = { begin: 1, end: 9, speed_from: "FREQ", per_1000: 23, slip: 0.2, slips: true, points: [point(2500, 50), point(5000, 101)] };
+  location.hash = "#/recordings/trip/drive.pcapng";
+  const answers = {
+    "/recordings/drive.pcapng/pulls": { pulls: [pull] },
+    "/recordings/drive.pcapng/trip": whole,
+    "/recordings": { recordings: [] },
+  };
+  const { asked, say, show } = page(answers);
+  say();
+  show(Screen, {});
+  const button = await screen.findByRole<HTMLButtonElement>("button", { name: "Compute" });
+  expect(button.disabled).toBe(true);
+  await fireEvent.input(screen.getByLabelText(/^Mass/), { target: { value: "1600" } });
+  await fireEvent.input(screen.getByLabelText(/^Speed at 1000/), { target: { value: "23,5" } });
+  await fireEvent.click(button);
+  await screen.findByText("101 ± 4 kW (137 hp) at 5000 rpm, 180 ± 8 Nm at 2500 rpm");
+  expect(document.body.textContent).toContain("The gear seems to change by 20 %");
+  expect(asked.at(-1)!.path).toBe("/recordings/drive.pcapng/pulls?mass=1600&per_1000=23.5&drag_area=0.9&slope=0");
+  expect(localStorage.getItem("mikas.pull")).toBe("1600|23,5|0.9|0");
+});
