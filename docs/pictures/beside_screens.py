@@ -122,6 +122,22 @@ def writing(tab: Tab) -> None:
         tab.page.keyboard.press("Escape")
 
 
+def setting_co(tab: Tab) -> None:
+    """Take the first step of CO by the meter, before it is written."""
+    ask("/control/take", {"force": True})
+    ask("/control/release")
+    tab.show("tests/co")
+    screen = tab.page.locator("#screen")
+    screen.locator(".text-ok").wait_for()
+    screen.locator(".lock button").click()
+    tab.press("Unlock", "Разрешить")
+    for figure in ("0.8", "2.0"):  # the target, and what the meter shows
+        screen.locator("form input").first.fill(figure)
+        screen.locator("form [type=submit]").click()
+    screen.locator("[data-proposal]").wait_for()
+    tab.take("co")
+
+
 def trip(tab: Tab) -> None:
     """Take the trip of the recording, on its own screen and in the report."""
     recording = ask("/recordings", method="GET")["recordings"][0]["id"]
@@ -178,6 +194,7 @@ def main(wanted: list[str]) -> None:
         with car_at_ports.tabs(wanted) as tabs:
             for tab in tabs:
                 writing(tab)
+                setting_co(tab)
 
 
 if __name__ == "__main__":
