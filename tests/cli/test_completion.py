@@ -141,7 +141,7 @@ FREE = {
     "--rotate", "--car", "--plate", "--mileage", "--workshop", "--topic", "--user", "--client-id",
     "--every", "--qos", "--discovery-prefix", "--name", "--raw", "--from", "--to", "--block",
     "--workers", "--baud", "--seed", "--latency-ms", "--host-port", "[VALUE]", "ADDR", "[COUNT]",
-    "HEX", "SQL", "--voltmeter", "--tachometer", "--since",
+    "HEX", "SQL", "--voltmeter", "--tachometer", "--starter", "--since",
     "--mass", "--per-1000", "--drag-area", "--slope", "--target", "--within", "--measured",
 }  # fmt: skip
 

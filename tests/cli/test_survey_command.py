@@ -119,3 +119,31 @@ def test_a_key_turned_off_is_no_bug(mikas):
     assert "the same command goes on from there" in ran.err.replace("\n", " ")
     again = survey(mikas, "--yes", "--without-engine")
     assert again.status == 0
+
+
+def test_figures_that_no_car_has_are_refused_before_anything_is_sent(mikas):
+    ran = survey(mikas, "--yes", "--voltmeter", "124")
+    assert ran.status == 2
+    assert "--voltmeter 124: it must be from 6 to 18 V" in ran.err
+    assert survey(mikas, "--yes", "--starter", "200", "--lang", "ru").status == 2
+    assert not Path("unit.zip.part").exists()
+
+
+def test_a_consent_that_comes_too_late_is_said_to_be(mikas):
+    mikas.answers("n\n", "n\n", "12.5\n", "n\n")
+    assert survey(mikas, "--without-engine").status == 6
+    again = survey(mikas, "--yes", "--memory", "--passports")
+    assert again.status == 0
+    assert "It was begun without --memory, and stays so" in again.err
+    assert "It was begun without --passports, and stays so" in again.err
+    assert read_survey(Path("unit.zip")).unit["passports"] is None
+
+
+def test_an_engine_that_the_unit_does_not_show_is_not_taken_to_run(mikas):
+    """With --yes there is no person who says that it runs."""
+    ran = survey(mikas, "--yes", "--json", sim="&scenario=survey&lacking=29%2B2C")
+    assert ran.status == 0, ran
+    steps = {step["name"]: step for step in ran.object["steps"]}
+    assert steps["strokes"]["verdict"] == "not-asked"
+    assert "no person has said so" in steps["strokes"]["detail"]
+    assert "7F" not in read_survey(Path("unit.zip")).unit["missing"]

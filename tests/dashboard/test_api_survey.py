@@ -90,6 +90,9 @@ def test_instructions_and_questions_lead_to_the_raised_speed(tmp_path):
         late = it.post("/survey/answer", {"id": asked["id"], "figure": 850})
         assert late["asked"] is None
         it.post("/survey/answer", {"id": asked["id"], "figure": 900}, status=409)
+        timed = wait(it, lambda now: now["asked"] is not None)["asked"]
+        assert (timed["name"], timed["low"], timed["high"]) == ("starter", 1, 20)
+        it.post("/survey/answer", {"id": timed["id"], "figure": 6.5})
         hold = wait(it, lambda now: now["instruction"] is not None)
         assert "2,500 rpm" in hold["instruction"]["en"]
         pass_to(it, began + 699)
@@ -104,6 +107,7 @@ def test_instructions_and_questions_lead_to_the_raised_speed(tmp_path):
             if each["name"] == "survey.json"
         )
         assert survey["measured"]["tachometer"]["shown"] == 850
+        assert survey["measured"]["starter"] == {"puffs": 6.5}
         assert survey["measured"]["voltage"]["meter"] is None
 
 

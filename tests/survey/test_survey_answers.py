@@ -76,7 +76,7 @@ def test_times_of_a_standing_engine(tmp_path, settings, name, value, tolerance):
 
 
 def test_a_whole_survey_with_engine_and_instruments(tmp_path):
-    person = Beside({"voltmeter": 12.6, "tachometer": 870.0})
+    person = Beside({"voltmeter": 12.6, "tachometer": 870.0, "starter": 9.0})
     url = url_of(drive(tmp_path), stream_load=0.4, turn_round_spread=0.001)
     found = surveyed(url, tmp_path / "unit.zip", person, passports=True)
     answers = by_name(found)
@@ -95,6 +95,8 @@ def test_a_whole_survey_with_engine_and_instruments(tmp_path):
     assert answers["uacc_sign"].value["signed"] is False
     assert answers["freq"].value["unit"] == "min-1"
     assert answers["freq"].value["cranking"]
+    assert answers["freq"].value["by_hand"] == 270
+    assert "270 rpm of it timed by hand" in answers["freq"].text.en
     assert answers["fuel_factors"].value["42"]["neutral"] is True
     assert 0.95 < answers["valf"].value["value"] < 1.05
     assert found.unit["passports"][0] == "МИКАС 7.1"
@@ -121,3 +123,12 @@ def test_what_is_not_certain_stays_open(tmp_path):
     slow = by_name(surveyed(url_of(file, latency_ms=16), tmp_path / "d.zip", engine=False))
     assert slow["turn_round"].verdict is OPEN
     assert "16 ms" in slow["turn_round"].text.en
+    assert slow["least_pause"].verdict is OPEN
+    assert "less than 16 ms, which this adapter itself leaves" in slow["least_pause"].text.en
+
+
+def test_a_starter_timed_by_hand_that_freq_does_not_show_leaves_its_unit_open(tmp_path):
+    person = Beside({"voltmeter": 12.6, "starter": 20.0})
+    answer = by_name(surveyed(url_of(drive(tmp_path)), tmp_path / "unit.zip", person))["freq"]
+    assert answer.verdict is OPEN
+    assert "600 rpm of it timed by hand" in answer.text.en

@@ -85,7 +85,7 @@ class KilledFolder(SurveyFolder):
 @pytest.mark.parametrize("saves", [1, 3, 5, 9, 14, 20, 26])
 def test_a_killed_survey_goes_on(tmp_path, monkeypatch, saves):
     """It asks what was left, and gives the answers of one that was not killed."""
-    url = url_of(drive(tmp_path, starts=1.0, raises=90.0), max_list=12, unknown="01")
+    url = url_of(drive(tmp_path), max_list=12, unknown="01")
     whole = surveyed(url, tmp_path / "whole.zip")
     steps: list[str] = []
     monkeypatch.setattr("mikas.survey.survey.SurveyFolder", KilledFolder)
@@ -178,3 +178,13 @@ def test_an_existing_file_stays(tmp_path):
     with pytest.raises(UsageError, match="exists already"):
         surveyed(url, out, engine=False)
     assert out.read_text() == "mine"
+
+
+def test_the_engine_can_be_left_out_later(tmp_path):
+    """It won't start: the same survey goes on without it."""
+    with open_ecu(url_of(None), ConnectionOptions()) as ecu:
+        first = Survey(ecu, tmp_path / "unit.zip", SurveyOptions(), Unattended())
+        first.folder.save(first.measured)
+        again = Survey(ecu, tmp_path / "unit.zip", SurveyOptions(engine=False), Unattended())
+    assert again.goes_on
+    assert again.measured["engine"] is False

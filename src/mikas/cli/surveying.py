@@ -11,6 +11,7 @@ from mikas.cli.language import localized, tr
 from mikas.cli.render.output import Output, StatusLine
 from mikas.cli.render.terminal import write_error
 from mikas.i18n import Text
+from mikas.survey.states import ENGINE_OFF
 
 _YES: Final = ("y", "yes", "д", "да")
 _SKIP: Final = ("s", "skip", "п", "пропустить")
@@ -55,9 +56,13 @@ class TerminalPrompter:
         self._status.clear()
 
     def ready(self, text: Text, /) -> bool:
-        """Ask to do something that the unit does not show; with `--yes` it counts as done."""
+        """Ask to do something that the unit does not show.
+
+        With `--yes` the ignition counts as on. That the engine runs does not: an answer on a
+        running engine must not come from one that stands.
+        """
         if not self.asks:
-            return True
+            return text == ENGINE_OFF
         question = tr("[Enter: done, s: skip] ", "[Enter — готово, п — пропустить] ")
         return self._answer(f"{localized(text)} {question}").lower() not in _SKIP
 

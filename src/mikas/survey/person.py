@@ -26,7 +26,7 @@ class Prompter(Protocol):
     def number(self, name: str, text: Text, unit: Text, low: float, high: float, /) -> float | None:
         """Ask for a figure from `low` to `high`; None: the person has none.
 
-        `name`: of the instrument, `voltmeter` or `tachometer`.
+        `name`: `voltmeter`, `tachometer`, `starter` (timed by hand).
         """
 
 
@@ -38,7 +38,7 @@ class Unattended:
     """
 
     figures: Mapping[str, float] = field(default_factory=dict)
-    """The figures that are known before: `voltmeter` in V, `tachometer` in rpm."""
+    """The figures known before: `voltmeter` in V, `tachometer` in rpm, `starter` in puffs/s."""
 
     def say(self, *_: object) -> None:
         """Show nothing."""

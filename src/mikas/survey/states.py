@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from math import inf
 from typing import Final
 
 from mikas import errors
@@ -18,9 +19,11 @@ _WARMING: Final = 1800.0  # s for a cold engine in winter
 _REMINDED: Final = 30.0  # s; of a long wait,
 _REMINDED_OF_LONG: Final = 300.0
 _LOOKED: Final = 0.5  # s between two looks at the unit
+_LOOKS: Final = 3  # that show another state, until the car has left the one it was in
 _WARM: Final = 75 + 40  # raw TWAT (§4)
 _IDLE: Final = (RUNNING, 1900.0)  # rpm, of a cold engine too
 _RAISED: Final = (2000.0, 3300.0)
+_Shown = Callable[[SurveyedUnit], bool | None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,7 +31,7 @@ class _Instruction:
     """How to reach one state. `shown`: whether the unit shows it; None: it does not say."""
 
     text: Text
-    shown: Callable[[SurveyedUnit], bool | None]
+    shown: _Shown
     patience: float
     not_reached: Text
 
@@ -36,9 +39,12 @@ class _Instruction:
 def bring(unit: SurveyedUnit, state: CarState, person: Prompter) -> Text | None:
     """Have the car brought into `state`; return the reason if it was not, None if it was."""
     instruction = _INSTRUCTIONS[state]
-    shown = _looked(unit, instruction)
     if state is CarState.STARTING:
-        return _ready_to_start(shown, instruction, person)
+        if _looked(unit, _runs):
+            return _RUNS_ALREADY
+        person.say(instruction.text)
+        return None
+    shown = _looked(unit, instruction.shown)
     if shown:
         return None
     person.say(instruction.text)
@@ -46,7 +52,7 @@ def bring(unit: SurveyedUnit, state: CarState, person: Prompter) -> Text | None:
         return None if person.ready(instruction.text) else _NOT_SHOWN
     began = said = unit.now()
     while (now := unit.now()) < began + instruction.patience:
-        if _looked(unit, instruction):
+        if _looked(unit, instruction.shown):
             return None
         if now - said > (_REMINDED if instruction.patience == _PATIENCE else _REMINDED_OF_LONG):
             person.say(instruction.text)
@@ -55,22 +61,29 @@ def bring(unit: SurveyedUnit, state: CarState, person: Prompter) -> Text | None:
     return instruction.not_reached
 
 
-def _ready_to_start(shown: bool | None, instruction: _Instruction, person: Prompter) -> Text | None:
-    if shown is False:
-        return _RUNS_ALREADY
-    person.say(instruction.text)
-    return None
+def has_left(unit: SurveyedUnit, state: CarState) -> bool:
+    """Return whether the car is in another state by now: the engine stalled, the pedal was let go.
+
+    False also where the unit does not show it; a single look may be wrong on a bad line.
+    """
+    if state is CarState.STARTING:
+        return False
+    for _ in range(_LOOKS):
+        if _looked(unit, _INSTRUCTIONS[state].shown) is not False:
+            return False
+        unit.pause(_LOOKED)
+    return True
 
 
-def _looked(unit: SurveyedUnit, instruction: _Instruction) -> bool | None:
+def _looked(unit: SurveyedUnit, shown: _Shown) -> bool | None:
     """Look at the unit; while the key is turned it may be off, which is no end of the survey."""
     try:
-        return instruction.shown(unit)
+        return shown(unit)
     except (errors.EchoOnly, errors.NoEcho, errors.SyncLost, errors.LineError):
         return False
 
 
-def _between(low: float, high: float) -> Callable[[SurveyedUnit], bool | None]:
+def _between(low: float, high: float) -> _Shown:
     def shown(unit: SurveyedUnit) -> bool | None:
         rpm = unit.rpm() if unit.speed_codes else None
         if not unit.speed_codes:
@@ -88,6 +101,7 @@ def _is_warm(unit: SurveyedUnit) -> bool | None:
 
 
 _at_idle = _between(*_IDLE)
+_runs = _between(RUNNING, inf)
 _NOT_SHOWN: Final = Text(
     "the unit does not show whether the car is ready for it, and no person has said so",
     "блок не показывает, готова ли машина, и человек этого не подтвердил",
@@ -96,13 +110,14 @@ _RUNS_ALREADY: Final = Text(
     "the engine ran already when the survey looked on",
     "к этому шагу двигатель уже работал",
 )
+ENGINE_OFF: Final = Text(
+    "Ignition on, engine OFF. Stop the engine and turn the key on again.",
+    "Зажигание включено, двигатель ЗАГЛУШЕН. Заглушите двигатель и снова включите зажигание.",
+)
+"""The instruction that a survey begins with."""
 _INSTRUCTIONS: Final = {
     CarState.STANDING: _Instruction(
-        Text(
-            "Ignition on, engine OFF. Stop the engine and turn the key on again.",
-            "Зажигание включено, двигатель ЗАГЛУШЕН. Заглушите двигатель и снова включите "
-            "зажигание.",
-        ),
+        ENGINE_OFF,
         _between(0, 0),
         _PATIENCE,
         Text("the engine was not stopped within 5 minutes", "двигатель не заглушили за 5 минут"),

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import closing
+from copy import deepcopy
 from dataclasses import dataclass
+from functools import partial
 from importlib.metadata import version as installed_version
 from pathlib import Path
 from typing import Final
@@ -22,7 +24,7 @@ from mikas.survey.person import Prompter
 from mikas.survey.profile import profile
 from mikas.survey.readme import readme
 from mikas.survey.recording import SurveyCapture, joined_captures
-from mikas.survey.states import bring
+from mikas.survey.states import bring, has_left
 from mikas.survey.steps.codes import known_sizes
 from mikas.survey.steps.step import CarState, Measured, SurveyStep
 from mikas.survey.steps.table import STANDING_AGAIN, STEPS
@@ -31,8 +33,15 @@ from mikas.survey.unit import SurveyedUnit
 __all__ = ["Survey", "SurveyOptions"]
 
 _SAVED_EVERY: Final = 5.0  # s of the link's clock, within a step
+_ATTEMPTS: Final = 3  # at a step during which the car leaves its state
+_OF_THE_SURVEY: Final = {"done", "seconds", "skipped", "lasted"}
+"""What is known of the survey itself, not measured by a step."""
 _NO_ENGINE: Final = Text(
     "the survey was made without the engine", "обследование сделано без пуска двигателя"
+)
+_NOT_KEPT: Final = Text(
+    "the car did not stay so until it was measured",
+    "машина не оставалась в этом состоянии до конца измерения",
 )
 _DAMAGED: Final = (ValueError, TypeError, LookupError, AttributeError)
 
@@ -53,7 +62,8 @@ class Survey:
     """A survey of the connected `ecu` for the ZIP `out`.
 
     `run` measures, `answers` concludes, `save` writes. A survey that was stopped goes on: its
-    folder beside `out` has what was measured; the consents of its begin stay in force.
+    folder beside `out` has what was measured; the consents of its begin stay in force, but the
+    engine may be left out later.
     """
 
     def __init__(self, ecu: Ecu, out: Path, options: SurveyOptions, person: Prompter) -> None:
@@ -68,6 +78,7 @@ class Survey:
         """Whether a survey that was stopped goes on."""
         try:
             self._measured = _begun(ecu, options) if before is None else before
+            self._measured["engine"] &= options.engine
             self._done: list[str] = self._measured["done"]
             self._seconds: dict[str, float] = self._measured["seconds"]
             self._unit.sizes = known_sizes(self._measured)
@@ -109,6 +120,8 @@ class Survey:
 
     def _run(self, person: _Saving, on_step: Callable[[SurveyStep, int, int], None]) -> None:
         steps = self.steps
+        # What could not be done the last time is asked for again.
+        self._measured["skipped"] = {}
         if not self._measured["engine"]:
             self._measured["skipped"][CarState.STARTING.value] = _NO_ENGINE._asdict()
         for state in CarState:
@@ -118,13 +131,37 @@ class Survey:
             if not self._may_begin(state, person):
                 continue
             for step in left:
-                on_step(step, steps.index(step), len(steps))
-                began = self._unit.now()
-                step.measure(self._unit, self._measured, person)
-                self._seconds[step.name] = round(self._unit.now() - began, 2)
+                begins = partial(on_step, step, steps.index(step), len(steps))
+                if not self._is_done(step, person, begins):
+                    break
+
+    def _is_done(self, step: SurveyStep, person: _Saving, begins: Callable[[], None]) -> bool:
+        """Do one step; False: the car did not stay in its state, and the others of it are left out.
+
+        What was measured while the engine stalled, or the pedal was let go, is of another state:
+        it is forgotten, and measured again once the car is back.
+        """
+        unit, measured = self._unit, self._measured
+        for _ in range(_ATTEMPTS):
+            if has_left(unit, step.state) and not self._may_begin(step.state, person):
+                return False
+            before = {name: deepcopy(measured[name]) for name in measured.keys() - _OF_THE_SURVEY}
+            begins()
+            began = unit.now()
+            step.measure(unit, measured, person)
+            if step.keeps or not has_left(unit, step.state):
+                self._seconds[step.name] = round(unit.now() - began, 2)
                 self._done.append(step.name)
-                self._unit.use_what_is_known(self._measured)
+                unit.use_what_is_known(measured)
                 self._keep()
+                return True
+            for name in measured.keys() - _OF_THE_SURVEY:
+                del measured[name]
+            measured.update(before)
+        if step.state is CarState.STANDING:
+            raise NotConfirmed(change=_SURVEY, how=_BEGINS.filled(why=_NOT_KEPT))
+        self._skip(step.state, _NOT_KEPT, person)
+        return False
 
     def _may_begin(self, state: CarState, person: _Saving) -> bool:
         """Have the car brought into `state`. Raises `NotConfirmed` without the first one."""
@@ -134,12 +171,15 @@ class Survey:
         if why is not None and state is CarState.STANDING:
             raise NotConfirmed(change=_SURVEY, how=_BEGINS.filled(why=why))
         if why is not None:
-            person.say(why)
-            self._measured["skipped"][state.value] = why._asdict()
-            if state is CarState.IDLE:  # nor does it get warm, or faster
-                rest = dict.fromkeys((each.value for each in _WITH_IDLE), why._asdict())
-                self._measured["skipped"] |= rest
+            self._skip(state, why, person)
         return why is None
+
+    def _skip(self, state: CarState, why: Text, person: _Saving) -> None:
+        person.say(why)
+        self._measured["skipped"][state.value] = why._asdict()
+        if state is CarState.IDLE:  # nor does it get warm, or faster
+            rest = dict.fromkeys((each.value for each in _WITH_IDLE), why._asdict())
+            self._measured["skipped"] |= rest
 
     def _keep(self) -> None:
         now = self._unit.now()

@@ -17,6 +17,8 @@ from mikas.survey.steps.engine import RUNNING
 from mikas.survey.steps.step import CarState, Measured
 
 _CRANKING = (80.0, 450.0)  # rpm that a starter turns an engine with
+_BY_HAND = 0.25  # of a speed that was timed by hand
+_TURNS_A_PUFF = 0.5  # of an engine with four cylinders
 _DIAL = 0.15  # of the tachometer's figure: what a dial and a needle are worth
 _VOLTS = 0.35  # V between a voltmeter at the battery and the unit's own measurement
 _NEUTRAL = range(108, 149)  # raw bytes near 128: a factor that corrects little
@@ -25,7 +27,7 @@ _TWELVE_VOLTS = 0x80  # from here on a signed byte is negative (E2)
 
 
 def freq(measured: Measured) -> Conclusion:
-    """Conclude on E1: by the starter's speed, and by the tachometer's figure."""
+    """Conclude on E1: by the starter's speed, also timed by hand, and by the tachometer."""
     turning = [
         int(data["29"], 16)
         for _, data in measured.get("cranking", ())
@@ -41,12 +43,19 @@ def freq(measured: Measured) -> Conclusion:
         fits.append(_CRANKING[0] <= speed <= _CRANKING[1])
         en.append(f"{speed:.0f} rpm while the starter turned")
         russian.append(f"{speed:.0f} об/мин при работе стартёра")
+    puffs = (measured.get("starter") or {}).get("puffs")
+    by_hand = None if puffs is None else round(puffs * _TURNS_A_PUFF * 60)
+    if cranked and by_hand is not None:
+        fits.append(abs(speed - by_hand) <= max(_STEP, _BY_HAND * by_hand))
+        en.append(f"{by_hand} rpm of it timed by hand")
+        russian.append(f"вручную насчитано {by_hand} об/мин")
     if shown is not None and raw is not None:
         fits.append(abs(raw * _STEP - shown) <= _DIAL * shown)
         en.append(f"{raw * _STEP:.0f} rpm where the tachometer shows {shown:.0f}")
         russian.append(f"{raw * _STEP:.0f} об/мин при {shown:.0f} на тахометре")
     value = {
         "cranking": cranked,
+        "by_hand": by_hand,
         "tachometer": shown,
         "raw": raw,
         "unit": "min-1" if fits else None,

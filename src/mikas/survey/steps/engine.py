@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 from mikas import errors
 from mikas.i18n import Text
 from mikas.survey.person import Prompter
 from mikas.survey.steps.step import Measured
-from mikas.survey.unit import FREQ_STEP, SPEED, VOLTAGE, SurveyedUnit
+from mikas.survey.unit import SPEED, VOLTAGE, SurveyedUnit, speed_of
 
 RUNNING = 500.0  # rpm, above which an engine runs by itself
 _LOOKED = 0.1  # s between two looks at an engine that stands
@@ -15,8 +17,12 @@ _CRANKING = 300.0  # s of looking on, at most
 FACTORS = (0x42, 0x41, 0x39)  # RCOK, RCOD, VALF
 _SAMPLES = 10
 _APART = 0.5  # s
-_VOLT = Text("V", "В")
-_RPM = Text("rpm", "об/мин")
+FIGURES: Final = {
+    "voltmeter": (Text("V", "В"), 6.0, 18.0),
+    "tachometer": (Text("rpm", "об/мин"), 200.0, 3000.0),
+    "starter": (Text("puffs a second", "тактов в секунду"), 1.0, 20.0),
+}
+"""The figures that a person may have, by name: the unit, the smallest and the greatest."""
 
 
 def voltage(unit: SurveyedUnit, measured: Measured, person: Prompter) -> None:
@@ -30,8 +36,8 @@ def voltage(unit: SurveyedUnit, measured: Measured, person: Prompter) -> None:
             "Вольтметр на клеммах аккумулятора, зажигание включено, двигатель заглушен: сколько "
             "вольт?",
         ),
-        _VOLT, 6.0, 18.0,
-    )  # fmt: skip
+        *FIGURES["voltmeter"],
+    )
     measured["voltage"] = {"meter": meter, "raw": _several(unit, VOLTAGE)}
 
 
@@ -45,9 +51,26 @@ def tachometer(unit: SurveyedUnit, measured: Measured, person: Prompter) -> None
             "The tachometer on the dashboard: how many rpm now?",
             "Тахометр на щитке: сколько оборотов сейчас?",
         ),
-        _RPM, 200.0, 3000.0,
-    )  # fmt: skip
+        *FIGURES["tachometer"],
+    )
     measured["tachometer"] = {"shown": shown, "raw": _several(unit, SPEED)}
+
+
+def starter(_: SurveyedUnit, measured: Measured, person: Prompter) -> None:
+    """Ask how fast the starter turned the engine, timed by hand (E1): FREQ was read beside it."""
+    if not measured.get("cranking"):
+        return
+    puffs = person.number(
+        "starter",
+        Text(
+            "The starter, timed by hand (a phone's film, played slowly): how many puffs of the "
+            "engine a second, two in a turn?",
+            "Стартёр, счёт вручную (снять телефоном и посмотреть медленно): сколько тактов сжатия "
+            "в секунду, два за оборот?",
+        ),
+        *FIGURES["starter"],
+    )
+    measured["starter"] = {"puffs": puffs}
 
 
 def _several(unit: SurveyedUnit, code: int) -> list[str]:
@@ -57,13 +80,15 @@ def _several(unit: SurveyedUnit, code: int) -> list[str]:
 
 def cranking(unit: SurveyedUnit, measured: Measured, _: Prompter) -> None:
     """Read speed and voltage while the starter turns, until the engine runs by itself (E1)."""
+    if not unit.speed_codes:
+        return  # nothing shows when the engine runs
     codes = [code for code in (*unit.speed_codes, VOLTAGE) if code in unit.sizes]
     rows: list[list[object]] = []
     began = unit.now()
     runs_since: float | None = None
     while (now := unit.now()) < began + _CRANKING:
         data = _data_if_on(unit, codes)
-        speed = data.get(SPEED, b"\0")[0] * FREQ_STEP
+        speed = speed_of(data) or 0.0
         turns = any(data.get(code, b"\0") != b"\0" for code in unit.speed_codes)
         if turns:
             listed = {f"{code:02X}": raw.hex().upper() for code, raw in data.items()}

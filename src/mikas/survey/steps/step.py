@@ -45,3 +45,5 @@ class SurveyStep:
     """What it does, for the person."""
     measure: Measure
     """Measures, and adds the figures."""
+    keeps: bool = False
+    """Whether its figures hold though the car left the state meanwhile."""

@@ -9,8 +9,10 @@ from mikas.survey.steps.step import CarState, Measure, Measured, SurveyStep
 from mikas.survey.unit import SurveyedUnit
 
 
-def _step(name: str, state: CarState, en: str, ru: str, measure: Measure) -> SurveyStep:
-    return SurveyStep(name, state, Text(en, ru), measure)
+def _step(
+    name: str, state: CarState, en: str, ru: str, measure: Measure, *, keeps: bool = False
+) -> SurveyStep:
+    return SurveyStep(name, state, Text(en, ru), measure, keeps)
 
 
 def _sampled(state: CarState) -> Measure:
@@ -34,7 +36,7 @@ STEPS: tuple[SurveyStep, ...] = (
           timing.least_pause),
     _step("turn_round", _OFF, "time to a response", "время до ответа", timing.turn_round),
     _step("unknown", _OFF, "unknown commands", "неизвестные команды", commands.unknown),
-    _step("codes", _OFF, "codes 00–FF", "коды 00–FF", codes.scan),
+    _step("codes", _OFF, "codes 00–FF", "коды 00–FF", codes.scan, keeps=True),
     _step("commands", _OFF, "commands", "команды", commands.support),
     _step("lists", _OFF, "greatest lists", "наибольшие списки", lists.lists),
     _step("checksum_accepted", _OFF, "checksums to the unit", "контрольные суммы к блоку",
@@ -60,8 +62,10 @@ STEPS: tuple[SurveyStep, ...] = (
     _step("stream_idle", _IDLE, "stream at idle", "поток на холостом ходу", _streamed(_IDLE)),
     _step("strokes", _IDLE, "streams by strokes", "потоки по тактам", streams.strokes),
     _step("tachometer", _IDLE, "tachometer", "тахометр", engine.tachometer),
+    _step("starter", _IDLE, "starter, timed by hand", "стартёр, счёт вручную", engine.starter,
+          keeps=True),
     _step("codes_again", _IDLE, "silent codes once more", "молчащие коды ещё раз",
-          codes.scan_again),
+          codes.scan_again, keeps=True),
     _step("factors", CarState.WARM, "fuel corrections, warm", "коррекции топлива, прогретый",
           engine.factors),
     _step("samples_warm", CarState.WARM, "values at warm idle",
@@ -78,6 +82,10 @@ STEPS: tuple[SurveyStep, ...] = (
 """In the order of the car's states; within one each step needs what those before have found."""
 
 STANDING_AGAIN = SurveyStep(
-    "codes_again", _OFF, Text("silent codes once more", "молчащие коды ещё раз"), codes.scan_again
+    "codes_again",
+    _OFF,
+    Text("silent codes once more", "молчащие коды ещё раз"),
+    codes.scan_again,
+    keeps=True,
 )
 """In the place of the step at idle, in a survey without the engine."""

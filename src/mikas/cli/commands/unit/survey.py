@@ -64,6 +64,13 @@ if TYPE_CHECKING:
     en="what the tachometer on the dashboard shows at idle",
     ru="показание тахометра на щитке на холостом ходу, об/мин",
 )
+@option(
+    "--starter",
+    type=positive,
+    metavar="PUFFS",
+    en="puffs of the engine in a second (two a turn) while the starter turned it, timed by hand",
+    ru="тактов сжатия в секунду (два за оборот) при работе стартёра, счёт вручную",
+)
 @flag(
     "--without-engine",
     en="with the ignition on only; what needs the engine stays open",
@@ -79,6 +86,7 @@ def survey(
     passports: bool,
     voltmeter: float | None,
     tachometer: float | None,
+    starter: float | None,
     without_engine: bool,
     yes: bool,
     overwrite: bool,
@@ -90,8 +98,7 @@ def survey(
     check_free(out, overwrite=overwrite)
     if not yes and not sys.stdin.isatty():
         raise NotConfirmed(change=_CHANGE, how=_NO_TERMINAL)
-    given = {"voltmeter": voltmeter, "tachometer": tachometer}
-    figures = {name: figure for name, figure in given.items() if figure is not None}
+    figures = _figures(voltmeter=voltmeter, tachometer=tachometer, starter=starter)
     with context.ecu() as ecu:
         options = SurveyOptions(memory=memory, passports=passports, engine=not without_engine)
         run, person = _prepared(context, ecu, out, options, figures, asks=not yes)
@@ -124,6 +131,21 @@ def _check_name(out: Path) -> None:
         raise usage_error(f"{out}: there is no such folder", f"{out}: такой папки нет")
 
 
+def _figures(**given: float | None) -> dict[str, float]:
+    """Return the figures that were given. Raises `UsageError` for one that no car has."""
+    from mikas.survey.steps.engine import FIGURES
+
+    figures = {name: figure for name, figure in given.items() if figure is not None}
+    for name, figure in figures.items():
+        unit, low, high = FIGURES[name]
+        if not low <= figure <= high:
+            raise usage_error(
+                f"--{name} {figure:g}: it must be from {low:g} to {high:g} {unit.en}",
+                f"--{name} {figure:g}: нужно число от {low:g} до {high:g} {unit.ru}",
+            )
+    return figures
+
+
 def _prepared(
     context: CommandContext,
     ecu: Ecu,
@@ -153,6 +175,17 @@ def _prepared(
             f"A survey that was stopped goes on: {run.folder.path}",
             f"Продолжается прерванное обследование: {run.folder.path}",
         )
+        for consent, asked, begun in (
+            ("--memory", options.memory, run.measured["memory"]),
+            ("--passports", options.passports, run.measured["passports_consent"]),
+        ):
+            if asked and not begun:
+                context.say(
+                    f"It was begun without {consent}, and stays so. To begin again with it, remove "
+                    f"{run.folder.path}",
+                    f"Оно начато без {consent}, так и останется. Чтобы начать заново, удалите "
+                    f"{run.folder.path}",
+                )
     return run, person
 
 
