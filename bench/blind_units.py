@@ -160,7 +160,7 @@ def surveyed(seed: int, folder: Path) -> Surveyed:
     """Survey the unit of this seed on the simulated clock, and compare."""
     settings = drawn(seed)
     driver = Driver()
-    timeline = cast("ScenarioTimeline", driver.timeline)
+    timeline = cast("ScenarioTimeline", driver.timeline)  # that of its scenario
     start = Start(ambient=20, coolant=82, coolant_at_start=20)
     scenario = replace(SCENARIOS["warm-idle"], start=start, timeline=timeline)
     faults = [int(word) for word in settings.pop("faults", "").split("+") if word]

@@ -96,7 +96,7 @@ def test_a_command_takes_a_recording_with_instruments(mikas: Mikas, command: str
 
 @pytest.mark.usefixtures("here")
 def test_a_fleet_takes_recordings_with_instruments(mikas: Mikas, tmp_path: Path) -> None:
-    pytest.importorskip("duckdb")
+    pytest.importorskip("duckdb", reason="questions need the extra fleet")
     ran = mikas(
         "fleet", "add", "one.pcapng", "two.pcapng", "--to", "set", "--json", "--workers", "1"
     )

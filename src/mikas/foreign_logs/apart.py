@@ -75,7 +75,7 @@ def in_own_process(
         process.join(_END)
     if error is not None:
         raise error
-    return cast("T", result)
+    return cast("T", result)  # a pipe gives anything
 
 
 def answer(pipe: Connection) -> None:

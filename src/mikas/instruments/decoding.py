@@ -68,7 +68,7 @@ def _own(definition: InstrumentDefinition) -> InstrumentDecoder:
         raise unknown_decoder(definition.decoder)
     found = loaded(definition.decoder, entries)
     try:
-        decoder = cast("Callable[[], object]", found)()
+        decoder = cast("Callable[[], object]", found)()  # called to see
     except Exception as error:  # another distribution's code may raise anything
         why = f"{type(error).__name__}: {error}"
         problem = Text(f"makes no decoder ({why})", f"не создаёт декодер ({why})")
@@ -76,7 +76,7 @@ def _own(definition: InstrumentDefinition) -> InstrumentDecoder:
     if not (hasattr(decoder, "feed") and hasattr(decoder, "drop")):
         problem = Text("makes no decoder: feed and drop are missing", "не декодер: нет feed и drop")
         raise unfit(definition.decoder, entries, problem)
-    return cast("InstrumentDecoder", decoder)
+    return cast("InstrumentDecoder", decoder)  # as far as can be seen: `_Guarded` has the rest
 
 
 class _Completed:
