@@ -16,9 +16,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mikas.amendments import patch, propose
+from mikas.amendments.proposing import _is_virtual
 from mikas.catalog import shipped
 from mikas.catalog.evidence import Agreement
 from mikas.errors import UsageError
+from mikas.link.base import Direction
+from mikas.survey.recording import SurveyCapture
 from survey.survey_harness import Beside, drive, surveyed, url_of
 
 ROOT = Path(__file__).parents[2]
@@ -209,3 +212,17 @@ def test_what_is_no_survey_is_refused(tmp_path):
     (tmp_path / "not.zip").write_bytes(b"PK\x03\x04 no")
     with pytest.raises(UsageError, match="no ZIP archive"):
         propose(tmp_path / "not.zip", shipped())
+
+
+@pytest.mark.parametrize(
+    ("url", "kind"),
+    [("/dev/pts/3", "pty"), ("/dev/ttyUSB0", "serial"), ("replay:a.pcapng", "replay")],
+)
+def test_a_virtual_unit_on_a_pty_is_no_evidence_either(tmp_path, url, kind):
+    capture = SurveyCapture(tmp_path, url=url, baud=9600, began=0.0, before=0.0)
+    capture.record(Direction.SENT, b"\x01\xff\x0d", 1.0)
+    capture.close()
+    data = (tmp_path / "capture-1.pcapng").read_bytes()
+    assert kind.encode() in data
+    assert b"pts" not in data
+    assert _is_virtual(data) is (kind != "serial")

@@ -24,6 +24,8 @@ from mikas.virtual.unit_profile import UnitProfile
 __all__ = ["Proposal", "propose"]
 
 _JUDGES: Final = {**clauses.JUDGES, **parameters.JUDGES}
+_NO_UNITS: Final = ("sim", "replay", "pty")
+"""What the port of no real unit is called in a survey's capture."""
 _UNFIT: Final = (ValueError, TypeError, LookupError, AttributeError, ArithmeticError)
 """What the figures of a file raise that no survey has made."""
 
@@ -79,12 +81,12 @@ def _mark(file: SurveyFile, path: Path, *, is_virtual: bool) -> str:
 
 
 def _is_virtual(capture: bytes) -> bool:
-    """Whether the bytes came from a virtual unit in this program."""
+    """Whether the bytes came from a virtual unit, or from a recording that is played."""
     blocks = Blocks()
     for item in scan(BytesIO(capture)):
         for each in blocks.read(item):
             if isinstance(each, Packet):
-                return each.source.url.partition(":")[0] == "sim"
+                return each.source.url.partition(":")[0] in _NO_UNITS
     return False
 
 

@@ -26,7 +26,7 @@ class SurveyCapture:
         number = next(n for n in range(1, _MOST_RUNS) if not _file(folder, n).exists())
         self.paused = False
         self._began = began - before
-        self._writer = CaptureWriter(_file(folder, number), url=parse(url).scheme, baud=baud)
+        self._writer = CaptureWriter(_file(folder, number), url=_kind(url), baud=baud)
 
     def record(self, direction: Direction, data: bytes, time: float) -> None:
         """Record one chunk, unless paused."""
@@ -51,6 +51,12 @@ def joined_captures(folder: Path) -> bytes:
     """Return the captures of all runs in a row: a pcapng file of several sections."""
     runs = (_file(folder, number) for number in range(1, _MOST_RUNS))
     return b"".join(file.read_bytes() for file in runs if file.exists())
+
+
+def _kind(url: str) -> str:
+    """Return what the port is, without its address; `pty`: `mikas sim`, not an adapter."""
+    port = parse(url)
+    return "pty" if port.address.startswith("/dev/pts/") else port.scheme
 
 
 def _file(folder: Path, number: int) -> Path:
