@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import pytest
 
-from mikas.catalog import Level, shipped
+from mikas.catalog import Level, load, shipped
 from mikas.catalog.instrument_channels import InstrumentChannel
 from mikas.catalog.own.changes import reset_keys, set_keys
 from mikas.catalog.own.file import OwnCatalog
+from mikas.errors import UnknownParameter
 from mikas.i18n import Text
+
+BOOST = InstrumentChannel("BOOST", Text("Boost", "Наддув"))
 
 
 @pytest.mark.parametrize(
@@ -53,3 +56,44 @@ def test_its_limits_are_set_in_the_own_catalog(tmp_path) -> None:
     assert own.load().catalog.instruments["LAMBDA"].alarm_limits == set_limits
     before = reset_keys(own, known, "LAMBDA", ["limits"]).instruments["LAMBDA"]
     assert before == shipped().instruments["LAMBDA"]
+
+
+def beside():
+    return shipped().with_beside([BOOST, InstrumentChannel("LAMBDA_LEFT", Text("Left", "Левая"))])
+
+
+@pytest.mark.parametrize(
+    ("word", "name"),
+    [
+        ("LAMBDA", "LAMBDA"),  # the meter's, not another name of the unit's VALF
+        (" boost ", "BOOST"),
+        ("lambda_left", "LAMBDA_LEFT"),
+        ("freq", "FREQ"),
+        ("0x05", "0x05"),
+    ],
+)
+def test_a_formula_names_the_unit_s_channels_and_the_instruments_(word, name) -> None:
+    assert beside().formula_channel(word).name == name
+
+
+def test_a_channel_of_no_instrument_beside_is_unknown_with_the_nearest() -> None:
+    with pytest.raises(UnknownParameter) as caught:
+        beside().formula_channel("BOOTS")
+    assert "BOOST" in caught.value.suggestions
+    with pytest.raises(UnknownParameter):
+        shipped().formula_channel("BOOST")
+
+
+def test_what_a_derived_channel_needs_beside_the_unit_is_found_through_others(tmp_path) -> None:
+    own = tmp_path / "catalog.toml"
+    own.write_text(
+        '[derived.D]\ntext = "d"\nformula = "LAMBDA - VALF"\n'
+        '[derived.TWICE]\ntext = "t"\nformula = "2 * D + GPS_SPEED"\n',
+        "utf-8",
+    )
+    catalog = load(own)
+
+    assert catalog.required_beside(["TWICE"]) == ("GPS_SPEED", "LAMBDA")
+    assert catalog.required_beside(["D", "LAMBDA", "FREQ"]) == ("LAMBDA",)
+    assert catalog.required_beside(["FREQ", "BOOST"]) == ()
+    assert catalog.required_by(["TWICE"]) == ("VALF",)

@@ -114,7 +114,7 @@ class InstrumentReader:
         self._lock = threading.Lock()
         self.state: InstrumentState | None = None
         """The state reported last; None before the first."""
-        self.damaged = 0
+        self.damaged: int = 0
         """The messages that gave no value, since the session began."""
         self.reason: Text | None = None
         """Why it is lost or silent; None: it is not."""

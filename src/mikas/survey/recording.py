@@ -24,7 +24,7 @@ class SurveyCapture:
 
     def __init__(self, folder: Path, *, url: str, baud: int, began: float, before: float) -> None:
         number = next(n for n in range(1, _MOST_RUNS) if not _file(folder, n).exists())
-        self.paused = False
+        self.paused: bool = False
         self._began = began - before
         self._writer = CaptureWriter(_file(folder, number), url=_kind(url), baud=baud)
 

@@ -81,7 +81,7 @@ class SurveyedUnit:
         self.tester: Tester = ecu.tester
         self.catalog: Catalog = ecu.catalog
         self.sizes: dict[int, int] = {}
-        self.longest = 1
+        self.longest: int = 1
 
     def now(self) -> float:
         """Return the link's clock."""

@@ -158,7 +158,8 @@ class MixtureControl:
     def __init__(self, phase: Phase) -> None:
         self.mixture: float = phase.cranking_mixture
         self.trim: float = 0.0
-        self.fuel = self.injection = 0.0
+        self.fuel: float = 0.0
+        self.injection: float = 0.0
         self.full_power: bool = False
         self._exhaust = 1.0  # λ at the probe, delayed and averaged
         self._tip_in = self._last_throttle = self._last_rpm = 0.0
@@ -243,9 +244,10 @@ class SparkControl:
         self._reset()
 
     def _reset(self) -> None:
-        self.advance = CRANKING
-        self.correction = 0.0
-        self.knock = self.knock_corrected = False
+        self.advance: float = CRANKING
+        self.correction: float = 0.0
+        self.knock: bool = False
+        self.knock_corrected: bool = False
         self._shown = 0.0
 
     def step(self, sensors: Sensors, phase: Phase, limit: float, *, firing: bool) -> None:
@@ -294,12 +296,12 @@ class Program:
         self._begin(lost, coolant, intake_air, PARKED)
 
     def _begin(self, lost: LostSignals, coolant: float, intake_air: float, valve: float) -> None:
-        self.fan = False
-        self.sensors = Sensors(lost, coolant, intake_air)
-        self.phase = Phase(coolant, intake_air, self._condition.idle_target)
-        self.idle = IdleControl(self.phase, valve, self._condition.idle_valve)
-        self.mixture = MixtureControl(self.phase)
-        self.spark = SparkControl(self._condition.idle_advance)
+        self.fan: bool = False
+        self.sensors: Sensors = Sensors(lost, coolant, intake_air)
+        self.phase: Phase = Phase(coolant, intake_air, self._condition.idle_target)
+        self.idle: IdleControl = IdleControl(self.phase, valve, self._condition.idle_valve)
+        self.mixture: MixtureControl = MixtureControl(self.phase)
+        self.spark: SparkControl = SparkControl(self._condition.idle_advance)
 
     def fork(self) -> Program:
         """Return an independent copy."""
