@@ -162,6 +162,16 @@ def test_a_pulled_cable_ends_it_and_it_goes_on(off):
     assert wait(off, ended)["phase"] == "finished"
 
 
+def test_what_was_measured_before_a_loss_is_saved_without_its_error(off):
+    off.cars.park(CAR, "/dev/ttyUSB7")
+    off.post("/survey/start", {"port": "/dev/ttyUSB7", "engine": False})
+    wait(off, lambda now: step_is("codes")(now) and now["step"]["done"] > 10)
+    off.cars.pull()
+    assert wait(off, ended)["error"] is not None
+    saved = off.post("/survey/save")
+    assert (saved["phase"], saved["error"]) == ("idle", None)
+
+
 def test_what_is_not_wanted_is_forgotten(off):
     off.post("/survey/start", {"port": CAR, "engine": False})
     wait(off, step_is("codes"))

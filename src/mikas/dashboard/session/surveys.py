@@ -183,6 +183,7 @@ class Surveys:
         self._last_virtual = self.virtual  # its folder says so, which ends here
         folder = SurveyFolder(self._out())
         folder.finish(packed)
+        self.error = None  # of the run whose answers are saved now
         return folder.out
 
     def forget(self) -> None:

@@ -180,3 +180,24 @@ it("figures are read with a comma or a point, and times are coarse", () => {
   ]);
   expect([0, 31, 89, 95, 300].map((each) => coarse(each).n)).toEqual([5, 35, 90, 2, 5]);
 });
+
+it("a survey that could not begin says why, and can be started again", async () => {
+  shown({ ...IDLE, error: { code: "NoResponse", ...words("The unit does not answer. Is the ignition on?") } });
+  await screen.findByText("The unit does not answer. Is the ignition on?");
+  expect(document.body.textContent).not.toContain("is kept");
+  expect(screen.getByRole("button", { name: "Start" })).toHaveProperty("disabled", false);
+});
+
+it("a survey that broke off says why, and how it goes on", async () => {
+  shown({ ...STOPPED, error: { code: "LinkLost", ...words("The adapter is gone.") } });
+  await screen.findByText("The adapter is gone.");
+  expect(document.body.textContent).toContain("press “Go on”");
+  expect(await screen.findByRole("button", { name: "Go on" })).toBeTruthy();
+});
+
+it("a trial on the virtual car asks nobody to send its file", async () => {
+  shown({ ...IDLE, virtual: true, saved: { ...SAVED, name: "virtual-survey.zip" } });
+  await screen.findByText("Saved: virtual-survey.zip");
+  expect(document.body.textContent).toContain("don't send the file");
+  expect(screen.queryByText(/Send it with an issue/)).toBeNull();
+});

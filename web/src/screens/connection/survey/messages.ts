@@ -66,6 +66,8 @@ export const t = dictionary({
 
   stopped: { en: "Stopped. What was measured is kept.", ru: "Прервано. Измеренное сохранено." },
   broke: { en: "It broke off. What was measured is kept.", ru: "Оборвалось. Измеренное сохранено." },
+  broke_more: { en: "When the unit can be reached again, press “Go on”.", ru: "Когда связь с блоком можно восстановить, нажмите «Продолжить»." },
+  not_begun: { en: "It has not begun.", ru: "Начать не удалось." },
   go_on: { en: "Go on", ru: "Продолжить" },
   forget: { en: "Forget it", ru: "Забыть" },
   forget_ask: { en: "Forget what was measured?", ru: "Забыть измеренное?" },
