@@ -25,6 +25,12 @@ _COMPUTED = Text(
     "It is a derived channel, computed from {inputs}: read it, or sample it in a session.",
     "Это производный канал, он вычисляется из {inputs}: прочитайте его (read) или ведите опрос.",
 )
+_BESIDE = Text(
+    "It is a channel of an instrument beside the unit: an instrument that gives it comes with "
+    "--instrument NAME=URL, as {example}.",
+    "Это канал прибора рядом с блоком: прибор, который его даёт, подключает --instrument "
+    "ИМЯ=АДРЕС, например {example}.",
+)
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -165,7 +171,16 @@ class Catalog:
             return self._raw(name, int(match[1], 16), match[2])
         if _RAW_CODE.fullmatch(in_latin(name)):
             raise UnknownParameter(name, (in_latin(name),))
+        if isinstance(self.described(name.upper()), InstrumentChannel):
+            raise self.not_beside(name)
         raise UnknownParameter(name, nearest(name, known, 3) or self._alike(name, known))
+
+    def not_beside(self, name: str) -> UnknownParameter:
+        """Return the error of an instrument's channel where no instrument gives it."""
+        error = UnknownParameter(name)
+        kind = "nmea" if name.upper().startswith("GPS_") else "aem"
+        error.advice = _BESIDE.filled(example=f"{kind}=/dev/ttyUSB1")
+        return error
 
     def _alike(self, name: str, known: Iterable[str]) -> tuple[str, ...]:
         """Return the channels of other names that are almost `name`."""

@@ -64,7 +64,7 @@ def _with(names: Sequence[str], needed: tuple[str, ...], catalog: Catalog) -> tu
     """Return `names` with those that are `needed` besides; no name stands for all parameters."""
     if not names:
         return ()
-    channels = [catalog.channel(name.partition("/")[0]).name for name in names]
+    channels = [catalog.formula_channel(name.partition("/")[0]).name for name in names]
     sampled = set(catalog.required_by([name for name in channels if name in catalog.channels]))
     return (*names, *(name for name in needed if name not in sampled))
 

@@ -7,7 +7,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Final, Unpack
 
-from mikas.catalog import load
+from mikas.catalog import Catalog, load
 from mikas.client.connecting import ConnectionKeywords, ConnectionOptions, StrPath, named_port
 from mikas.client.parameters.polling import Method
 from mikas.errors import CaptureError, usage_error
@@ -67,7 +67,7 @@ def prepared(
         reconnecting,
         connection.create_ecu,
         connection.catalog,
-        channels,
+        _of_the_unit(channels, connection.catalog, instruments),
         method=method,
         rate=length.rate,
         strict=not patient,
@@ -87,6 +87,31 @@ def prepared(
     if record is not None:
         recorder.start(record, url=port)
     return made
+
+
+def _of_the_unit(
+    names: Iterable[str], catalog: Catalog, instruments: Sequence[ChosenInstrument]
+) -> list[str]:
+    """Return `names` without those of the instruments, which each sample has unasked.
+
+    Raises `UsageError` if none is left: no name stands for all parameters of the unit.
+    """
+    names = list(names)
+    beside = catalog.with_beside(channel for each in instruments for channel in each.channels)
+    kept = [
+        name
+        for name in names
+        if not (isinstance(name, str) and beside.input_of(name.partition("/")[0]) in beside.beside)
+    ]
+    if names and not kept:
+        listed_names = ", ".join(names)
+        raise usage_error(
+            f"{listed_names}: an instrument gives it at the unit's samples; name a parameter of "
+            "the unit as well, as in FREQ",
+            f"{listed_names}: это канал прибора, его значения идут вместе с опросом блока; "
+            "назовите и параметр блока, например FREQ",
+        )
+    return kept
 
 
 def _check_inputs(selection: Selection, instruments: Sequence[ChosenInstrument]) -> None:
@@ -143,7 +168,7 @@ def session(
     `open_port`: opens the port, for tests and links of your own; it gets `url`, and is called again
     after a loss. `instruments`: λ meters and GPS receivers beside the unit, as
     `aem=/dev/ttyUSB1`, `gpsd=gpsd:localhost:2947` or, at a virtual unit, `nmea=sim:`; a sample has
-    their values, a recording their bytes, and their errors never stop it. The other `options` are
+    their values, whether `channels` names them or not, a recording their bytes, and their errors never stop it. The other `options` are
     those of `ConnectionOptions`.
 
     Raises `UsageError` for an invalid option, `UnknownParameter`, `CaptureError` for the file.

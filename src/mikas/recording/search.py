@@ -127,10 +127,14 @@ def search(recording: Recording, condition: SearchCondition) -> SearchResult:
     catalog = condition.catalog
     recording = recording.interpreted("corrected", condition.names, catalog=catalog)
     if _CONDITION in recording.absent:
-        names = ", ".join(_absent(recording, condition))
+        absent = _absent(recording, condition)
+        names = ", ".join(absent)
+        is_beside = any(each in condition.beside for each in absent)
         raise usage_error(
-            f"{names}: not in this recording, so the condition has no value anywhere",
-            f"{names}: в этой записи нет, поэтому у условия нигде нет значения",
+            f"{names}: not in this recording, so the condition has no value anywhere"
+            + ("; a channel of an instrument needs one beside the unit" if is_beside else ""),
+            f"{names}: в этой записи нет, поэтому у условия нигде нет значения"
+            + ("; канал прибора есть там, где прибор стоял рядом с блоком" if is_beside else ""),
         )
     found = condition.find(recording.rows())
     return replace(found, damaged=recording.problem_count)
