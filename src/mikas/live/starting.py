@@ -168,8 +168,8 @@ def session(
     `open_port`: opens the port, for tests and links of your own; it gets `url`, and is called again
     after a loss. `instruments`: λ meters and GPS receivers beside the unit, as
     `aem=/dev/ttyUSB1`, `gpsd=gpsd:localhost:2947` or, at a virtual unit, `nmea=sim:`; a sample has
-    their values, whether `channels` names them or not, a recording their bytes, and their errors never stop it. The other `options` are
-    those of `ConnectionOptions`.
+    their values, named in `channels` or not, a recording their bytes, and their errors never stop
+    it. The other `options` are those of `ConnectionOptions`.
 
     Raises `UsageError` for an invalid option, `UnknownParameter`, `CaptureError` for the file.
     """
