@@ -1,8 +1,7 @@
 // The way's lines on a drawing with a grid of its own: no map, nothing from elsewhere. North is above; one scale for both directions.
 import type { TripWay } from "../../../lib/api/types";
 
-export const WIDTH = 640;
-const HEIGHTS = { least: 150, most: 420 };
+const HEIGHTS = { least: 150, most: 480 };
 const EDGE = 14;
 /** Below the way, for the scale. */
 const FOOT = 26;
@@ -24,22 +23,22 @@ export interface Drawing {
   side: number;
 }
 
-/** The drawing of a way of one line or more. */
-export function drawingOf({ lines }: Pick<TripWay, "lines">): Drawing {
+/** The drawing of a way of one line or more, so many pixels wide. */
+export function drawingOf({ lines }: Pick<TripWay, "lines">, width: number): Drawing {
   const [west, east] = endsOf(lines.map((line) => line.east));
   const [south, north] = endsOf(lines.map((line) => line.north));
-  const inside = WIDTH - 2 * EDGE;
+  const inside = width - 2 * EDGE;
   const high = Math.min(HEIGHTS.most, Math.max(HEIGHTS.least, (inside * (north - south)) / (east - west)));
   const metres = Math.max((east - west) / inside, (north - south) / high);
   const height = high + EDGE + FOOT;
-  const left = (west + east) / 2 - (metres * WIDTH) / 2;
+  const left = (west + east) / 2 - (metres * width) / 2;
   const top = (south + north) / 2 + metres * (EDGE + high / 2);
   const place = (e: number, n: number): [number, number] => [rounded((e - left) / metres), rounded((top - n) / metres)];
   const paths = lines.map(({ level, east: easts, north: norths }) => ({
     level,
     d: `M${easts.map((e, at) => place(e, norths[at]!).join(" ")).join("L")}`,
   }));
-  const step = roundStep((metres * WIDTH) / CELLS);
+  const step = roundStep((metres * width) / CELLS);
   const side = step / metres;
   const first = lines[0]!;
   const last = lines.at(-1)!;
@@ -48,7 +47,7 @@ export function drawingOf({ lines }: Pick<TripWay, "lines">): Drawing {
     paths,
     begin: place(first.east[0]!, first.north[0]!),
     end: place(last.east.at(-1)!, last.north.at(-1)!),
-    columns: places(side, WIDTH),
+    columns: places(side, width),
     rows: places(side, height),
     step,
     side: rounded(side),
