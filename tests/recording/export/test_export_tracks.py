@@ -136,12 +136,12 @@ def test_a_mark_stands_at_the_nearest_place_within_ten_seconds(tmp_path):
 @pytest.mark.parametrize("suffix", TRACKS)
 def test_without_a_position_it_says_what_is_needed_and_leaves_no_file(tmp_path, suffix):
     out = tmp_path / f"a{suffix}"
-    for channels, pieces in (
-        (CHANNELS[:1], [way([0], [0])]),
-        (CHANNELS, [way([0, 1], [None, None])]),
-        (CHANNELS, []),
+    for channels, pieces, reason in (
+        (CHANNELS[:1], [way([0], [0])], "--instrument nmea=PORT"),
+        (CHANNELS, [way([0, 1], [None, None])], "the GPS had not found its place"),
+        (CHANNELS, [], "there is a GPS, but no response of the unit"),
     ):
-        with pytest.raises(ExportError, match="--instrument nmea=PORT") as caught:
+        with pytest.raises(ExportError, match=reason) as caught:
             export(out, channels, pieces)
         assert str(out) in str(caught.value)
         assert not list(tmp_path.iterdir())

@@ -52,7 +52,7 @@ class GpsTrack:
         names = [channel.name for channel in sheet.channels]
         self._label = _label_of(names)
         if self._label is None:
-            raise _without_position(path)
+            raise _no_track(path, _NO_POSITION)
         self.channels: tuple[Channel, ...] = tuple(
             channel for channel in sheet.channels if channel.name not in self._own
         )
@@ -101,7 +101,7 @@ class GpsTrack:
             held = [each.last for each in filled]
             before = float(times[-1])
         if not found:
-            raise _without_position(self._path)
+            raise _no_track(self._path, _NOT_FOUND if self._sheet.rows else _NO_ROWS)
 
     def moment_of(self, time: float) -> datetime | None:
         """Return the date of a point; None: the recording has none."""
@@ -166,8 +166,8 @@ def _label_of(names: Sequence[str]) -> str | None:
     return None
 
 
-def _without_position(path: Path) -> ExportError:
-    return ExportError(str(path.with_suffix("")), _NO_POSITION)
+def _no_track(path: Path, why: Text) -> ExportError:
+    return ExportError(str(path.with_suffix("")), why)
 
 
 _NO_POSITION: Final = Text(
@@ -175,4 +175,16 @@ _NO_POSITION: Final = Text(
     "(`mikas log … --instrument nmea=PORT`) that has found its place",
     "в этой записи нет координат: для трека нужен GPS рядом с блоком "
     "(`mikas log … --instrument nmea=ПОРТ`), который определил своё место",
+)
+_NOT_FOUND: Final = Text(
+    "the GPS had not found its place: no message of it has a position (a receiver under the sky "
+    "needs a minute or two)",
+    "GPS ещё не определил своё место: ни в одном его сообщении нет координат (под открытым небом "
+    "приёмнику нужна минута-другая)",
+)
+_NO_ROWS: Final = Text(
+    "there is a GPS, but no response of the unit: a track has its points where the unit answered; "
+    "`mikas decode FILE` shows what the receiver sent",
+    "GPS есть, но нет ни одного ответа блока: точки трека стоят там, где блок отвечал; что передал "
+    "приёмник, покажет `mikas decode ФАЙЛ`",
 )
