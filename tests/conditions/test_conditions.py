@@ -14,6 +14,7 @@ from mikas.catalog.formula_syntax import parse
 from mikas.client import Passport
 from mikas.client.parameters.readings import decode
 from mikas.conditions import ActionRule, ConditionWatch, read_actions
+from mikas.conditions.definition import LEAST_PAUSE
 from mikas.conditions.evaluation import PAUSE
 from mikas.errors import UnknownParameter
 from mikas.sampling.events import Gap, Sampled, UnitFound
@@ -62,6 +63,12 @@ def test_once_in_a_time_and_once_at_all():
     samples = every(1, *[101, 99] * 6)
     assert acted(rule(again=5), samples) == [0, 6]
     assert acted(rule(once=True), samples) == [0]
+
+
+@pytest.mark.parametrize("again", [0.0, 0.2])
+def test_a_noisy_value_acts_once_in_a_second_at_most(again):
+    noise = every(1 / 32, *[101, 99] * 80)  # 5 s, at each second row
+    assert acted(rule(again=again), noise) == [0, 1, 2, 3, 4]
 
 
 def test_a_pause_that_forbids_it_ends_while_the_condition_still_holds():
@@ -165,7 +172,7 @@ def by_hand(hold, low, again, once, samples):
             for moment, before in samples[:at]
             if moment > acts[-1]
         )
-        waits = acts and time - acts[-1] < again
+        waits = acts and time - acts[-1] < max(again, LEAST_PAUSE)
         if time - since >= hold and free and not waits and not (once and acts):
             acts.append(time)
     return acts
@@ -173,7 +180,7 @@ def by_hand(hold, low, again, once, samples):
 
 @given(
     TIMES, st.data(), st.sampled_from([0.0, 1.0, 2.5]), st.sampled_from([101.0, 95.0]),
-    st.sampled_from([0.0, 3.0, 10.0]), st.booleans(),
+    st.sampled_from([0.0, 0.5, 3.0, 10.0]), st.booleans(),
 )  # fmt: skip
 def test_against_the_rule_written_by_hand(steps, data, hold, low, again, once):
     time, samples = 0.0, []

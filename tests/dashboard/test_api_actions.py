@@ -74,6 +74,22 @@ def test_a_rule_starts_a_recording_and_another_ends_it(idle):
     assert len(idle.get("/recordings")["recordings"]) == 1
 
 
+def test_two_rules_that_start_a_recording_in_one_instant_start_one(idle):
+    rules = [{"name": name, "when": "FREQ > 100", "record": "start"} for name in ("a", "b", "c")]
+    seen = []
+
+    def is_later(message):
+        seen.extend(e for e in message.get("events", []) if e["kind"] in ("action", "recording"))
+        return any(e["kind"] == "action" and e["name"] == "later" for e in seen)
+
+    with idle.live() as live:
+        put(idle, *rules, {"name": "later", "when": "FREQ > 100", "hold": 20, "mark": {"en": "x"}})
+        live.until(is_later)
+    assert [e["kind"] for e in seen if e["kind"] == "recording"] == ["recording"]
+    assert not any(e["failed"] for e in seen if e["kind"] == "action")
+    assert len(idle.get("/recordings")["recordings"]) == 1
+
+
 def test_rules_are_a_file_that_a_person_can_read_and_they_outlive_the_program(tmp_path):
     with rig(tmp_path, None) as it:
         put(it, RUNS)

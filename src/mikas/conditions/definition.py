@@ -4,7 +4,7 @@
 when = "TWAT > 105"       a formula of the catalog's language
 for = 3                   s that it has to hold, without a pause
 until = "TWAT < 100"      before this held, it is not done again; else: `when` does not hold
-again = 60                s after which it is done again at the earliest
+again = 60                s after which it is done again at the earliest; 1 s without it
 once = true               once in a session
 mark = "hot: {TWAT}"      the other keys: its effects
 """
@@ -22,6 +22,7 @@ from mikas.i18n import Text
 MOST_RULES: Final = 50
 LONGEST_HOLD: Final = 3600.0  # s
 LONGEST_PAUSE: Final = 86400.0  # s
+LEAST_PAUSE: Final = 1.0  # s from one action of a rule to the next, whatever `again` says
 LONGEST_WORDS: Final = 200  # characters of a marker, of what is said
 
 
@@ -52,7 +53,7 @@ class ActionRule:
     release: Parsed | None = field(default=None)
     """That formula, parsed."""
     again: Annotated[float, between(0, LONGEST_PAUSE)] = 0.0
-    """Seconds from one action to the next, at least."""
+    """Seconds from one action to the next, at least; never less than `LEAST_PAUSE`."""
     once: Annotated[bool, boolean] = False
     """Whether it acts once in a session."""
     mark: Annotated[Text | None, TEXT] = None

@@ -24,7 +24,7 @@ from mikas.catalog import Catalog
 from mikas.catalog.formulas import Calculation
 from mikas.catalog.model import in_order
 from mikas.client import Reading
-from mikas.conditions.definition import ActionRule
+from mikas.conditions.definition import LEAST_PAUSE, ActionRule
 from mikas.sampling.events import Event, Gap, Sampled, UnitFound
 
 PAUSE: Final = 2.0  # s for which a value counts
@@ -89,7 +89,8 @@ class _RuleState:
         if self.since is None or time - self.latest > span:
             self.since = time
         self.latest = time
-        pauses = self.last is not None and time - self.last < rule.again
+        pause = max(rule.again, LEAST_PAUSE)  # a value that flickers does not act at each flip
+        pauses = self.last is not None and time - self.last < pause
         if not self.armed or pauses or (rule.once and self.acted):
             return False
         if time - self.since < rule.hold:

@@ -55,6 +55,7 @@ class SessionActions:
         self.loaded: LoadedActions = LoadedActions()
         self._loop: asyncio.AbstractEventLoop | None = None
         self._tasks: set[asyncio.Task[None]] = set()
+        self._recording = asyncio.Lock()  # a begin and an end of the same instant: one by one
         self._saving = threading.Lock()
         self._following = threading.Lock()  # a trial looks at the values, too
         self._watch: ConditionWatch | None = None
@@ -156,13 +157,15 @@ class SessionActions:
         self._recorder.marker(text.to(self._language or "en"))
 
     async def _start(self) -> None:
-        if self._recorder.file_name is None:
-            await self._recorder.start(None)
+        async with self._recording:
+            if self._recorder.file_name is None:
+                await self._recorder.start(None)
 
     async def _stop(self) -> None:
-        if self._recorder.file_name is not None:
-            await self._recorder.read_last()
-            self._recorder.stop()
+        async with self._recording:
+            if self._recorder.file_name is not None:
+                await self._recorder.read_last()
+                self._recorder.stop()
 
     def _soon(self, work: Callable[[], object]) -> None:
         if (loop := self._loop) is not None:
