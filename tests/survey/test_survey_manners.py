@@ -15,6 +15,7 @@ from mikas.link.base import Direction
 from mikas.recording.capture.reader import CaptureReader, Packet
 from mikas.survey import Survey, SurveyOptions, Unattended, conclude
 from mikas.survey.folder import SurveyFolder
+from mikas.survey.recording import SurveyCapture, joined_captures
 from mikas.survey.steps.commands import MEMORY, PASSPORTS
 
 WRITING = {0x12, 0x14, 0x16, 0x22, 0x24, 0x26, 0x32, 0x41, 0x62}
@@ -52,6 +53,31 @@ def test_without_consent_no_passport_is_in_the_file(tmp_path):
     assert "МИКАС" not in json.dumps([found.measured, found.unit], ensure_ascii=False)
     assert {f"{code:02X}" for code in PASSPORTS} <= set(found.unit["supported"])
     assert found.unit["passports"] is None
+
+
+@pytest.mark.parametrize("passports", [False, True])
+def test_blocks_of_memory_are_recorded_only_where_passports_may_be(tmp_path, passports):
+    """The source does not say where the unit stores the passports' texts: a block may have them."""
+    url = url_of(drive(tmp_path, **STANDING), max_list=1)
+    options = {"engine": False, "memory": True, "passports": passports}
+    found = surveyed(url, tmp_path / "unit.zip", **options)
+    asked = requests(found.capture, tmp_path)
+    assert all(limits["limit"] == 255 for limits in found.measured["blocks"].values())
+    greatest = max(body[-1] for body in asked if body and body[0] in {0x21, 0x23, 0x25})
+    assert greatest == (255 if passports else 2)
+    swept = {body[1] for body in asked if len(body) == 2 and body[0] == 0x11}
+    assert (len(swept) > 16) is passports
+
+
+def test_a_thousand_runs_are_joined_in_their_order(tmp_path):
+    for number in range(1, 1004):
+        (tmp_path / f"capture-{number}.pcapng").write_bytes(b"%d " % number)
+    capture = SurveyCapture(tmp_path, url="/dev/ttyUSB0", baud=9600, began=0.0, before=0.0)
+    capture.record(Direction.SENT, b"\x01\xff\x0d", 1.0)
+    capture.close()
+    joined = joined_captures(tmp_path)
+    assert joined.startswith(b"".join(b"%d " % number for number in range(1, 1004)))
+    assert joined.endswith((tmp_path / "capture-1004.pcapng").read_bytes())
 
 
 def test_the_recording_has_neither_port_nor_date(tmp_path):

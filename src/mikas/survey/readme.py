@@ -32,9 +32,9 @@ _KEPT: dict[Language, tuple[str, str]] = {
     "en": ("texts kept, with consent", "not kept"),
     "ru": ("тексты сохранены с согласия", "не сохранены"),
 }
-_READ: dict[Language, tuple[str, str]] = {
-    "en": ("read, with consent", "not read"),
-    "ru": ("читалась с согласия", "не читалась"),
+_READ: dict[Language, tuple[str, str, str]] = {
+    "en": ("read, with consent", "read, with consent; its blocks are not kept", "not read"),
+    "ru": ("читалась с согласия", "читалась с согласия, её блоки не сохранены", "не читалась"),
 }
 _VERDICTS: dict[Language, dict[SurveyVerdict, str]] = {
     "en": {
@@ -60,11 +60,18 @@ def verdict_word(answer: SurveyAnswer, language: Language) -> str:
     return _VERDICTS[language][answer.verdict]
 
 
+def _kept_of_memory(content: SurveyFile) -> int:
+    """Return the place in `_READ`: a block may hold passports, so it is kept where these are."""
+    if not content.measured["memory"]:
+        return 2
+    return 0 if content.measured["passports_consent"] else 1
+
+
 def _part(content: SurveyFile, language: Language) -> str:
     head = _HEAD[language].format(
         version=content.versions["mikas"],
         passports=_KEPT[language][not content.measured["passports_consent"]],
-        memory=_READ[language][not content.measured["memory"]],
+        memory=_READ[language][_kept_of_memory(content)],
     )
     lines = [
         f"{answer.title.to(language)} ({', '.join(answer.clauses)}): "

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -12,7 +14,8 @@ from mikas.link.urls import parse
 from mikas.recording import CaptureWriter
 
 _NAME: Final = "capture-{number}.pcapng"
-_MOST_RUNS: Final = 1000
+_NUMBERED: Final = re.compile(r"capture-([0-9]{1,9})\.pcapng")
+_PTY: Final = re.compile(r"/dev/(pts/|ttys)[0-9]+")  # of Linux; of macOS
 
 
 class SurveyCapture:
@@ -23,10 +26,12 @@ class SurveyCapture:
     """
 
     def __init__(self, folder: Path, *, url: str, baud: int, began: float, before: float) -> None:
-        number = next(n for n in range(1, _MOST_RUNS) if not _file(folder, n).exists())
+        number = max(_runs(folder), default=0) + 1
         self.paused: bool = False
         self._began = began - before
-        self._writer = CaptureWriter(_file(folder, number), url=_kind(url), baud=baud)
+        self._writer = CaptureWriter(
+            folder / _NAME.format(number=number), url=_kind(url), baud=baud
+        )
 
     def record(self, direction: Direction, data: bytes, time: float) -> None:
         """Record one chunk, unless paused."""
@@ -49,15 +54,18 @@ class SurveyCapture:
 
 def joined_captures(folder: Path) -> bytes:
     """Return the captures of all runs in a row: a pcapng file of several sections."""
-    runs = (_file(folder, number) for number in range(1, _MOST_RUNS))
-    return b"".join(file.read_bytes() for file in runs if file.exists())
+    return b"".join(file.read_bytes() for _, file in sorted(_runs(folder).items()))
 
 
 def _kind(url: str) -> str:
     """Return what the port is, without its address; `pty`: `mikas sim`, not an adapter."""
     port = parse(url)
-    return "pty" if port.address.startswith("/dev/pts/") else port.scheme
+    if port.scheme == "serial" and _PTY.fullmatch(os.path.realpath(port.address)):
+        return "pty"
+    return port.scheme
 
 
-def _file(folder: Path, number: int) -> Path:
-    return folder / _NAME.format(number=number)
+def _runs(folder: Path) -> dict[int, Path]:
+    """Return the captures in `folder` by their numbers, however many runs there were."""
+    found = ((_NUMBERED.fullmatch(file.name), file) for file in folder.iterdir())
+    return {int(match[1]): file for match, file in found if match}

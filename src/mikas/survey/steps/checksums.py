@@ -2,7 +2,7 @@
 
 Requests are lists of known codes (61) chosen so that the checksum is that byte; so are responses,
 of codes whose data stand still. A unit that takes one code only has no such list: there a byte of
-RAM (11) does it, if memory may be read.
+RAM (11) does it, if memory may be read; all of RAM is recorded only if passports may be kept.
 """
 
 from __future__ import annotations
@@ -54,7 +54,9 @@ def sent(unit: SurveyedUnit, measured: Measured, person: Prompter) -> None:
                 break
         if f"{value:02X}" not in found and _reads_ram(measured):
             forms = (_form_of(unit, bytes([_RAM, address]), value) for address in range(0x100))
-            if (form := next(filter(None, forms), None)) is not None:
+            with unit.recording_paused(paused=not measured["passports_consent"]):
+                form = next(filter(None, forms), None)
+            if form is not None:
                 found[f"{value:02X}"] = form
     measured["checksum_sent"] = found
 

@@ -1,7 +1,8 @@
 """Which commands the unit has, and the forms of their responses (§3, D7, D10).
 
 Passports are asked with the recording paused unless their texts may be kept. Memory is read only
-with a consent of its own: a read of external RAM may reach a device.
+with a consent of its own: a read of external RAM may reach a device. The source does not say where
+the passports' texts are stored, so blocks of memory are not recorded without that consent either.
 """
 
 from __future__ import annotations
@@ -53,9 +54,10 @@ def blocks(unit: SurveyedUnit, measured: Measured, person: Prompter) -> None:
     found = {}
     for done, (code, address) in enumerate(_BLOCKS.items()):
         person.progress(done, len(_BLOCKS))
-        counted = _counted(unit, code, address)
-        overhead = address + (code == 0x21 or bool(counted))
-        limits = greatest(partial(_block, unit, code, address, overhead))
+        with unit.recording_paused(paused=not measured["passports_consent"]):
+            counted = _counted(unit, code, address)
+            overhead = address + (code == 0x21 or bool(counted))
+            limits = greatest(partial(_block, unit, code, address, overhead))
         if limits["limit"] is not None:  # a unit that gives one byte only has seemed to lack it
             measured["commands"][f"{code:02X}"] = True
             found[f"{code:02X}"] = {**limits, "counted": counted}

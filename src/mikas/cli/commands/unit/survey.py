@@ -249,8 +249,10 @@ _NO_TERMINAL = Text(
     "Нет терминала, чтобы спросить; подтвердить заранее можно ключом --yes.",
 )
 _MEMORY = Text(
-    "May memory be read, too (commands 11–31)? It is not known how a real unit takes them.",
-    "Можно ли прочитать и память (команды 11–31)? Как их примет настоящий блок, неизвестно.",
+    "May memory be read, too (commands 11–31)? It is not known how a real unit takes them. Its "
+    "blocks are in the file only if the passports' texts may be.",
+    "Можно ли прочитать и память (команды 11–31)? Как их примет настоящий блок, неизвестно. В файл "
+    "блоки памяти попадут, только если можно сохранить и тексты паспортов.",
 )
 _PASSPORTS = Text(
     "May the texts of the unit's passports be in the file (part number, date of the program)?",
