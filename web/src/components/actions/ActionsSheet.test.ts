@@ -63,6 +63,25 @@ it("a mistake in the condition is shown, and is not saved", async () => {
   expect(button("Save").disabled).toBe(true);
 });
 
+it("a mistake in what is said stands at its field, without the file's key", async () => {
+  sheet({ tried: { problem: words("`action.trial.speak`: there is no NOSUCH") } });
+  await screen.findByText("TWAT > 105");
+  await fireEvent.click(button("Edit…"));
+  const said = await screen.findByText("there is no NOSUCH");
+  expect(said.previousElementSibling!.textContent).toContain("Say");
+  expect(button("Save").disabled).toBe(true);
+});
+
+it("an action that does nothing is not saved, and says what to choose", async () => {
+  sheet();
+  await screen.findByText("TWAT > 105");
+  await fireEvent.click(button("Edit…"));
+  expect(text()).not.toContain("Choose at least one thing");
+  await fireEvent.click(screen.getByLabelText("Sound"));
+  expect(text()).toContain("Choose at least one thing");
+  expect(button("Save").disabled).toBe(true);
+});
+
 it("a name stands for one action", async () => {
   sheet();
   await screen.findByText("TWAT > 105");
@@ -80,7 +99,8 @@ it("what the program refuses stays in the form", async () => {
   await fireEvent.click(button("Edit…"));
   await fireEvent.click(button("Save"));
   await vi.waitFor(() => expect(writes()).toHaveLength(1));
-  expect(screen.getByRole("heading", { name: "Action hot" })).toBeTruthy();
+  const form = screen.getByRole("heading", { name: "Action hot" }).closest("dialog")!;
+  await vi.waitFor(() => expect(form.querySelector("[role=alert]")).not.toBeNull()); // a toast would be covered
 });
 
 it("an action is deleted after a question, and done now as a trial", async () => {
@@ -88,6 +108,7 @@ it("an action is deleted after a question, and done now as a trial", async () =>
   await screen.findByText("TWAT > 105");
   await fireEvent.click(button("Do it now"));
   expect(asked.some(({ method, path }) => method === "POST" && path === "/actions/hot/perform")).toBe(true);
+  await screen.findByText("Done as a trial: hot. A recording is not touched.");
   await fireEvent.click(button("Delete"));
   await fireEvent.click(screen.getAllByRole("button", { name: "Delete" }).at(-1)!);
   await vi.waitFor(() => expect(writes()).toEqual([{ rules: [], broker: "", topic: "" }]));

@@ -71,6 +71,12 @@ export function ruleOf(draft: Draft, before: ActionRule | null): ActionRule {
   };
 }
 
+/** Where a rule is wrong, of the program's words that begin with the key in the file: “`action.hot.speak`: …”; without one, the condition. */
+export function placed({ en, ru }: Text): { field: string; problem: Text } {
+  const key = /^`action\.[^`]*?(?:\.(\w+))?`:? /;
+  return { field: key.exec(en)?.[1] ?? "when", problem: { en: en.replace(key, ""), ru: ru.replace(key, "") } };
+}
+
 /** The keys of what a rule does. */
 export const doneBy = (rule: ActionRule) =>
   [

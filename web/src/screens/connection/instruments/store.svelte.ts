@@ -1,4 +1,5 @@
 // The instruments beside the unit: which there are, and this device's own position, if it is one of them.
+import { ApiRequest } from "../../../lib/api/request.svelte";
 import { Resource } from "../../../lib/api/resource.svelte";
 import type { Instruments, NewInstrument, OwnInstrument } from "../../../lib/api/types";
 import { watch } from "../../../lib/platform/watch.svelte";
@@ -15,6 +16,9 @@ export class InstrumentStore {
     ask: () => this.app.api.instruments(),
     insists: true,
   });
+  /** What a sheet asks for: its error is shown there, for a sheet covers the toasts. */
+  readonly adding = new ApiRequest<Instruments>();
+  readonly defining = new ApiRequest<Instruments>();
   readonly own = new OwnPosition((position) => this.app.api.sendPosition(position));
   /** The ports at which they are: none of them is the unit's. */
   readonly ports = $derived.by<ReadonlySet<string>>(() => new Set(this.list.value?.instruments.map(({ port }) => port)));
@@ -43,17 +47,18 @@ export class InstrumentStore {
     );
   }
 
-  /** Read one more. Returns whether it succeeded; a toast has said why not. */
+  /** Read one more. Returns whether it succeeded; `adding.error` says why not. */
   async add(instrument: NewInstrument): Promise<boolean> {
-    return this.use(() => this.app.api.addInstrument(instrument));
+    return this.take(await this.adding.run(() => this.app.api.addInstrument(instrument)));
   }
 
   async remove(name: string): Promise<boolean> {
     return this.use(() => this.app.api.removeInstrument(name));
   }
 
+  /** Keep a definition. Returns whether it succeeded; `defining.error` says why not. */
   async define(name: string, definition: OwnInstrument): Promise<boolean> {
-    return this.use(() => this.app.api.defineInstrument(name, definition));
+    return this.take(await this.defining.run(() => this.app.api.defineInstrument(name, definition)));
   }
 
   async forget(name: string): Promise<boolean> {
@@ -61,7 +66,10 @@ export class InstrumentStore {
   }
 
   private async use(make: () => Promise<Instruments>): Promise<boolean> {
-    const found = await this.app.toasts.attempt(make);
+    return this.take(await this.app.toasts.attempt(make));
+  }
+
+  private take(found: Instruments | undefined): boolean {
     if (found) this.list.value = found;
     return found !== undefined;
   }

@@ -135,7 +135,10 @@ it("what the unit does not show, the person says", async () => {
 });
 
 it("all that the file would hold is shown before it is saved; forgetting is asked for", async () => {
-  const rig = shown({ ...STOPPED, error: { code: "LinkLost", ...words("The cable is gone"), sent: null, received: null } });
+  const rig = shown({
+    ...STOPPED,
+    error: { code: "LinkLost", ...words("The cable is gone"), sent: null, received: null },
+  });
   await screen.findByText("the adapter returns what was sent");
   expect(document.body.textContent).toContain("The cable is gone");
   expect(document.body.textContent).toContain('{"passports": null}');
@@ -182,14 +185,14 @@ it("figures are read with a comma or a point, and times are coarse", () => {
 });
 
 it("a survey that could not begin says why, and can be started again", async () => {
-  shown({ ...IDLE, error: { code: "NoResponse", ...words("The unit does not answer. Is the ignition on?") } });
+  shown({ ...IDLE, error: { code: "NoResponse", sent: null, received: null, ...words("The unit does not answer. Is the ignition on?") } });
   await screen.findByText("The unit does not answer. Is the ignition on?");
   expect(document.body.textContent).not.toContain("is kept");
   expect(screen.getByRole("button", { name: "Start" })).toHaveProperty("disabled", false);
 });
 
 it("a survey that broke off says why, and how it goes on", async () => {
-  shown({ ...STOPPED, error: { code: "LinkLost", ...words("The adapter is gone.") } });
+  shown({ ...STOPPED, error: { code: "LinkLost", sent: null, received: null, ...words("The adapter is gone.") } });
   await screen.findByText("The adapter is gone.");
   expect(document.body.textContent).toContain("press “Go on”");
   expect(await screen.findByRole("button", { name: "Go on" })).toBeTruthy();

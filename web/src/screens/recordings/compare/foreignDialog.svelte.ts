@@ -14,6 +14,8 @@ export interface TextSettings {
 }
 
 const RECOGNISED: TextSettings = { encoding: null, delimiter: null, decimal: null, names_line: null, units_line: null };
+/** The longest file that the program reads. */
+export const MOST_BYTES = 64 * 2 ** 20;
 /** A file with more columns has none chosen beyond these: they would not be told apart in a pane. */
 const CHOSEN_AT_FIRST = 6;
 
@@ -39,10 +41,17 @@ export class ForeignDialog {
     this.found !== null && this.chosen.length > 0 && (this.layout === null || (this.time !== null && this.timeUnit !== null)),
   );
 
+  readonly tooLarge: boolean;
+  /** By its name no text, so how a text is read is no matter. */
+  readonly binary: boolean;
+
   constructor(
     private readonly api: Pick<ApiClient, "foreignPreview" | "foreignValues">,
     readonly file: File,
-  ) {}
+  ) {
+    this.tooLarge = file.size > MOST_BYTES;
+    this.binary = /\.(mlg|mf4|mdf)$/i.test(file.name);
+  }
 
   /** Look at the file, and begin with what it says itself. */
   async look(): Promise<void> {

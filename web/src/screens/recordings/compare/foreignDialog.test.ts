@@ -1,7 +1,7 @@
 import { expect, test, vi } from "vitest";
 import { ApiError } from "../../../lib/api/http";
 import type { ForeignPreview, ForeignValues } from "../../../lib/api/types";
-import { ForeignDialog } from "./foreignDialog.svelte";
+import { ForeignDialog, MOST_BYTES } from "./foreignDialog.svelte";
 
 const column = (name: string, ...samples: string[]) => ({ name, unit: "", samples });
 const CSV: ForeignPreview = {
@@ -78,4 +78,14 @@ test("stays with the error of a file that can't be read", async () => {
   foreignValues.mockRejectedValueOnce(new ApiError(400, "ForeignLogError", text));
   expect(await it.read()).toBeUndefined();
   expect(it.reading.error?.text).toEqual(text);
+});
+
+test("a file that the program would refuse is known before it is sent, and a binary one by its name", () => {
+  const at = (name: string, bytes: number) => {
+    const file = new File([], name);
+    Object.defineProperty(file, "size", { value: bytes });
+    return new ForeignDialog({ foreignPreview: vi.fn(), foreignValues: vi.fn() }, file);
+  };
+  expect([at("log.csv", MOST_BYTES).tooLarge, at("log.csv", MOST_BYTES + 1).tooLarge]).toEqual([false, true]);
+  expect([at("log.MLG", 1).binary, at("log.mf4", 1).binary, at("mlg.csv", 1).binary]).toEqual([true, true, false]);
 });
