@@ -63,6 +63,25 @@ def test_a_derived_channel_of_both_has_values_live_and_the_same_recorded(
     assert noted >= {"AFR", "LEANER"}
 
 
+def test_an_alarm_of_an_instrument_by_the_last_sample_is_not_lost(
+    tmp_path: Path, mine: Path
+) -> None:
+    def run(**more: object) -> list[AlarmChanged | Sampled]:
+        with mikas.session(
+            CITY, ["FREQ", "LEANER"], catalogs=mine, instruments="aem=sim:", **more
+        ) as session:
+            found = list(session.events())
+        return [it for it in found if isinstance(it, AlarmChanged | Sampled)]
+
+    events = run(count=60)
+    first = next(at for at, it in enumerate(events) if getattr(it, "name", "") == "AFR")
+    count = sum(isinstance(it, Sampled) for it in events[:first])
+    path = tmp_path / "a.pcapng"
+    alarms = [it.name for it in run(count=count, record=path) if isinstance(it, AlarmChanged)]
+    assert {"AFR", "LEANER"} <= set(alarms)
+    assert [it.name for it in mikas.open(path).events if isinstance(it, AlarmChanged)] == alarms
+
+
 def test_a_meter_with_a_label_and_one_of_ones_own_are_described_for_a_formula(
     tmp_path: Path,
 ) -> None:

@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from mikas.client import Ecu
     from mikas.client.identity import UnitIdentity
     from mikas.instruments.session_instruments import SessionInstruments
+    from mikas.sampling.events import AlarmChanged
 
 E = TypeVar("E", bound=Event)
 T = TypeVar("T")
@@ -90,6 +91,7 @@ class Session(Iterator[Sampled]):
         self._job: Cancellation | None = None  # that runs now
         self._turn = threading.RLock()  # of the thread that uses the line
         self._ecu: Ecu | None = None
+        self._alarms: list[AlarmChanged] = []  # of the instruments, by the latest sample
         self._failed_before = 0  # exchanges, on links that are gone
 
     # What it is doing
@@ -339,7 +341,7 @@ class Session(Iterator[Sampled]):
                         self._due = event.time + self._period
                     self._count(event)
                     yield event
-                    if progress.is_complete and not self.acquisition.has_more:
+                    if progress.is_complete and not (self.acquisition.has_more or self._alarms):
                         yield from self._last_faults(events)
                         return
             except RecordingOver as error:
@@ -359,8 +361,10 @@ class Session(Iterator[Sampled]):
                 continue
             values = beside.fresh(event.time)
             made = samples.completed(event, values, self.acquisition.selection)
+            self._alarms = samples.alarms(made)
             yield made
-            for alarm in samples.alarms(made):
+            while self._alarms:
+                alarm = self._alarms.pop(0)
                 self.recorder.record_event(alarm)
                 yield alarm
 
