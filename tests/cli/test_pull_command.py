@@ -22,6 +22,7 @@ def test_pull_prints_the_best_figures_and_a_row_each_250_rpm(mikas, tmp_path):
     power = max(first["points"], key=lambda point: point["power"])
     text = mikas("pull", "a.pcapng", "--mass", "1600", "--per-1000", "24")
     assert f"{power['power']:.0f} ± {power['doubt']:.0f} kW" in text.lines[0]
+    assert text.lines[0].startswith("2000 to 5000 rpm in 9.9 s, ")  # the rise, not its points
     assert text.lines[1].split("\t") == ["rpm", "km/h", "kW", "hp", "Nm"]
     assert len(text.lines) == 2 * (2 + len(first["points"])) + 1
     heavier = mikas("pull", "a.pcapng", "--mass", "3200", "--per-1000", "24", "--json")

@@ -94,6 +94,10 @@ class Pull:
     slip: float
     points: tuple[PullPoint, ...]
     throttle_known: bool = True
+    from_rpm: float = 0.0
+    """The engine's speed at the begin of the rise; a point is a mean within it."""
+    to_rpm: float = 0.0
+    """The engine's speed at its end."""
 
     @property
     def most_power(self) -> PullPoint:
@@ -212,7 +216,9 @@ def _pull(
     points = tuple(_binned(_measured(rpm, speed, source, per_1000, settings)))
     if not points:
         return None
-    return Pull(session, float(rpm.times[0]), float(rpm.times[-1]), source, per_1000, slip, points)
+    begin, end = float(rpm.times[0]), float(rpm.times[-1])
+    low, high = float(rpm.values[0]), float(rpm.values[-1])
+    return Pull(session, begin, end, source, per_1000, slip, points, from_rpm=low, to_rpm=high)
 
 
 def _measured(

@@ -111,12 +111,12 @@ def _show(context: CommandContext, pull: Pull) -> None:
     power, torque = pull.most_power, pull.most_torque
     context.output.paragraph(
         tr(
-            f"{pull.points[0].rpm:.0f} to {pull.points[-1].rpm:.0f} rpm in "
+            f"{pull.from_rpm:.0f} to {pull.to_rpm:.0f} rpm in "
             f"{pull.end - pull.begin:.1f} s, {pull.per_1000:.1f} km/h at 1000 rpm. At the wheels "
             f"{_of(power.power, power.doubt)} kW ({power.power / _HORSE:.0f} hp) at "
             f"{power.rpm:.0f} rpm, {_of(torque.torque, torque.torque_doubt)} Nm at "
             f"{torque.rpm:.0f} rpm; 8 to 15 % more at the engine.",
-            f"{pull.points[0].rpm:.0f}–{pull.points[-1].rpm:.0f} об/мин за "
+            f"{pull.from_rpm:.0f}–{pull.to_rpm:.0f} об/мин за "
             f"{decimal(f'{pull.end - pull.begin:.1f}')} с, "
             f"{decimal(f'{pull.per_1000:.1f}')} км/ч при 1000 об/мин. На колёсах "
             f"{_of(power.power, power.doubt)} кВт ({power.power / _HORSE:.0f} л.с.) при "
