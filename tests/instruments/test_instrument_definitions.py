@@ -72,7 +72,12 @@ def test_a_label_is_the_end_of_each_name() -> None:
 @pytest.mark.parametrize(
     ("before", "after", "line", "problem"),
     [
-        ('decoder = "line"', 'decoder = "lines"', 2, "no decoder"),
+        (
+            'decoder = "line"',
+            'decoder = "lines"',
+            2,
+            "there is no decoder “lines”; there are: line, ",
+        ),
         ("baud = 115200", "baud = 7", 3, "whole number"),
         ("{BOOST_BAR}", "{NOTHING}", 4, "[instrument.NOTHING]"),
         ("{BOOST_BAR}", "{TWAT}", 4, "the unit itself sends"),

@@ -128,6 +128,6 @@ class _Guarded:
 def unknown_decoder(name: str) -> UsageError:
     """Return the error of a decoder that is not here."""
     return usage_error(
-        f"There is no decoder “{name}”; there are: {LINE}, {', '.join(_SHIPPED)}",
-        f"Декодера «{name}» нет; есть: {LINE}, {', '.join(_SHIPPED)}",
+        f"there is no decoder “{name}”; there are: {LINE}, {', '.join(_SHIPPED)}",
+        f"декодера «{name}» нет; есть: {LINE}, {', '.join(_SHIPPED)}",
     )

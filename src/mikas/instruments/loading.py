@@ -122,7 +122,8 @@ def _definition(source: CatalogFile, name: str, catalog: Catalog | None) -> Inst
             raise source.wrong(("text",), Text(f"has no `{key}`", f"нет `{key}`"))
     decoder, patterns = form["decoder"], form.get("patterns", ())
     if decoder not in (LINE, *CHANNELS, *entries_of(GROUP)):
-        raise source.wrong(("decoder",), unknown_decoder(decoder).reason)
+        problem = unknown_decoder(decoder).reason
+        raise source.error(("decoder",), problem.en, problem.ru)
     if (decoder == LINE) != bool(patterns):
         raise source.error(
             ("patterns",) if patterns else ("decoder",),
