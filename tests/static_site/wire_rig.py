@@ -17,7 +17,8 @@ from browser.rig import CAR
 from mikas.catalog import shipped
 from mikas.virtual.build import build_bus
 from mikas.virtual.bus import Bus
-from mikas.virtual.serve import PtyPort, run
+from mikas.virtual.instruments import VirtualInstrument
+from mikas.virtual.serve import InstrumentPty, PtyPort, run
 
 from .computer_rig import FT232, Adapter, Computer
 
@@ -91,6 +92,18 @@ class Cable:
         """Another car and another wire, from the next time that it is plugged in."""
         self._settings |= settings
         self._bus = build_bus(self._settings, start=self._clock())
+
+    @contextmanager
+    def instrument(self, name: str, adapter: Adapter) -> Iterator[None]:
+        """Plug in a cable to an instrument of this kind in the car, which must have an engine."""
+        made = VirtualInstrument(name, self.car, self._clock())
+        port = self._there(lambda: InstrumentPty(made, self._clock))
+        number = self._computer.plug(adapter, port.url)
+        try:
+            yield
+        finally:
+            self._computer.unplug(number)
+            self._there(port.close)
 
     def set(self, name: str, raw: str) -> None:
         """The car's datum from now on: `set("UACC", "8A")`."""
