@@ -47,7 +47,7 @@ it("a recording has its sums, its way with what the colours mean, and the measur
   await shown("drive.pcapng", whole);
   await screen.findByText("13.8 l");
   expect([sum("litres"), sum("kilometres"), sum("ran"), sum("stood")]).toEqual(["2.61 l", "18.9 km", "16:40", "09:48"]);
-  expect([sum("speed"), sum("rpm"), sum("gaps")]).toEqual(["36 (91) km/h", "1742 (3960) rpm", "00:04"]);
+  expect([sum("speed"), sum("rpm"), sum("gaps")]).toEqual(["36 (91) km/\u2060h", "1742 (3960) rpm", "00:04"]);
   expect(document.querySelectorAll("[data-way] path")).toHaveLength(2);
   expect(screen.getByRole("list", { name: "Colour" }).textContent).toMatch(/below 20.*unknown/);
   expect(screen.getByRole("list", { name: "Colour" }).textContent).not.toContain("90");
