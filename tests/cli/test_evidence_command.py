@@ -88,6 +88,7 @@ def test_a_survey_in_text_has_a_line_an_answer_and_notes_on_what_is_open(mikas, 
     assert rows["E2 UACC"][2] == "UACC: confidence;"
     assert "E3, open: the survey was made without the engine" in ran.err
     assert "survey of a virtual unit: evidence of nothing" in ran.err
+    assert "survey it through socket: or rfc2217:" in ran.err.replace("\n", " ")
     assert "--patch OUT.diff" in ran.err
     assert "E3, открыто: " in mikas("evidence", survey, "--lang", "ru").err
 

@@ -153,8 +153,11 @@ def _say_what_next(
 ) -> None:
     if proposal.is_virtual:
         context.say(
-            "This is the survey of a virtual unit: evidence of nothing.",
-            "Это обследование виртуального блока: оно ничего не доказывает.",
+            "This is the survey of a virtual unit: evidence of nothing. A pty counts as one, too: "
+            "if a real unit was behind it (socat), survey it through socket: or rfc2217:.",
+            "Это обследование виртуального блока: оно ничего не доказывает. За него принимается и "
+            "pty: если за ним (socat) был настоящий блок, обследуйте его через socket: или "
+            "rfc2217:.",
         )
     if not changes:
         context.say(

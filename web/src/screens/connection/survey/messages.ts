@@ -22,7 +22,10 @@ export const t = dictionary({
   passports: { en: "Keep the texts of the unit's passports", ru: "Сохранить тексты паспортов блока" },
   passports_more: { en: "Part number and date of the program. The car is not in them as far as we know.", ru: "Номер блока и дата программы. Данных о машине там, насколько известно, нет." },
   memory: { en: "Read memory, too", ru: "Читать и память" },
-  memory_more: { en: "Reading alone. How a real unit takes these commands is not known; leave it off if in doubt. Its blocks are in the file only if passports may be.", ru: "Только чтение. Как живой блок примет эти команды, неизвестно; сомневаетесь — не включайте. Её блоки попадут в файл, только если можно сохранить паспорта." },
+  memory_more: {
+    en: "Reading alone. How a real unit takes these commands is not known; leave it off if in doubt. Its blocks are in the file only if passports may be.",
+    ru: "Только чтение. Как живой блок примет эти команды, неизвестно; сомневаетесь — не включайте. Её блоки попадут в файл, только если можно сохранить паспорта.",
+  },
   voltmeter: { en: "Voltmeter at the battery, ignition on, engine off", ru: "Вольтметр на аккумуляторе: зажигание включено, двигатель заглушен" },
   voltmeter_more: { en: "Empty if you have none.", ru: "Нет вольтметра — оставьте пустым." },
   volts: { en: "V", ru: "В" },
