@@ -135,10 +135,7 @@ it("what the unit does not show, the person says", async () => {
 });
 
 it("all that the file would hold is shown before it is saved; forgetting is asked for", async () => {
-  const rig = shown({
-    ...STOPPED,
-    error: { code: "LinkLost", ...words("The cable is gone"), sent: null, received: null },
-  });
+  const rig = shown({ ...STOPPED, error: { code: "LinkLost", ...words("The cable is gone"), sent: null, received: null } });
   await screen.findByText("the adapter returns what was sent");
   expect(document.body.textContent).toContain("The cable is gone");
   expect(document.body.textContent).toContain('{"passports": null}');
