@@ -54,7 +54,7 @@ def equip(patch: pytest.MonkeyPatch, garage: Garage, folder: Path) -> None:
     patch.setenv("MIKAS_PORT", CABLE.url)
     patch.chdir(folder)
     patch.setattr("importlib.metadata.version", lambda _: "golden")  # of the program, in files
-    patch.setattr(CommandContext, "open_ahead", lambda it: PortAhead(it.port, garage.open))
+    patch.setattr(CommandContext, "open_ahead", lambda it, _=(): PortAhead(it.port, garage.open))
     garage.equip(patch)
     set_language("en")
 

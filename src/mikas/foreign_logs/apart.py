@@ -68,7 +68,7 @@ def in_own_process(
                 raise ForeignLogError(name, _TOO_LONG)
         result, error = near.recv()
     except (EOFError, OSError) as died:  # it has ended without an answer
-        raise ForeignLogError(name, _DIED) from died
+        raise ForeignLogError(name, _DIED).caused_by(died) from died
     finally:
         near.close()
         process.kill()
