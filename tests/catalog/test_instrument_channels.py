@@ -84,6 +84,21 @@ def test_a_channel_of_no_instrument_beside_is_unknown_with_the_nearest() -> None
         shipped().formula_channel("BOOST")
 
 
+@pytest.mark.parametrize(
+    ("name", "example"),
+    [
+        ("AFR", "aem="),
+        ("lambda_left", "aem="),
+        ("GPS_ALT", "nmea="),
+    ],
+)
+def test_an_instrument_s_channel_among_the_unit_s_names_its_instrument(name, example) -> None:
+    with pytest.raises(UnknownParameter) as caught:
+        shipped().channel(name)
+    assert example in caught.value.advice.en
+    assert example in caught.value.advice.ru
+
+
 def test_what_a_derived_channel_needs_beside_the_unit_is_found_through_others(tmp_path) -> None:
     own = tmp_path / "catalog.toml"
     own.write_text(

@@ -88,3 +88,4 @@ def test_a_meter_beside_the_unit(chromium, tmp_path, visitor, meter):
         tab.find("dialog[open]").get_by_role("button", name="Remove").click()
         expect(line).to_have_count(0)
         assert tab.complaints == []
+        tab.page.close()  # the program's end would refuse what the page still asks for

@@ -64,3 +64,17 @@ it("who may not connect can set none", () => {
   form({ chosen: null, seconds: 0 }, true);
   expect(button("Set the pause").disabled).toBe(true);
 });
+
+it("what is pressed before the answer has come is the next wish", async () => {
+  const shown = form({ chosen: null, seconds: 0 });
+  await fireEvent.click(button("My own"));
+  await fireEvent.input(field()!, { target: { value: "70" } });
+  await Promise.all([fireEvent.click(button("Set the pause")), fireEvent.click(button("By itself"))]);
+  await vi.waitFor(() => expect(summary()).toContain("120 ms, as set"));
+  await vi.waitFor(() => expect(button("Set the pause").disabled).toBe(false));
+  await fireEvent.click(button("Set the pause"));
+  expect(sent(shown)).toMatchObject([
+    ["/connect", { pause: 0.07 }],
+    ["/connect", { pause: "auto" }],
+  ]);
+});
