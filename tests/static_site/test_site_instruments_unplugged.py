@@ -31,6 +31,7 @@ pytestmark = pytest.mark.realtime
 
 CP2102 = Adapter("10c4", "ea60", "CP2102_USB_to_UART")
 ALONE = 8.0  # s of the recording without instruments
+_HELD_UP = 3  # times the usual time between two responses
 UNPLUGS = 5
 WITHIN = 3  # messages that are on their way when a cable is pulled out
 
@@ -140,10 +141,11 @@ def recorded(tab, path):
 
 
 def rate_and_lost(path, sent):
-    """The unit's usual responses a second, and the share of those that it sent which are not there.
+    """The unit's usual responses a second, and the share of those behind which one is not there
+    though no time has passed for it.
 
     Each is found behind the one before. The rate is the one in the median, for a busy machine holds
-    up a browser for a moment whatever is plugged in.
+    up a browser for a moment whatever is plugged in; what the unit sent meanwhile is not counted.
     """
     recording = mikas.open(path, names=["FREQ"])
     (rows,) = recording.rows()
@@ -153,8 +155,9 @@ def rate_and_lost(path, sent):
     for value in found:
         at = sent.index(value, at) + 1
         places.append(at)
-    lost = 1 - len(found) / (places[-1] - places[0] + 1)
-    return 1 / np.median(np.diff(times)), lost
+    seconds = np.diff(times)
+    lost = (np.diff(places) > 1) & (seconds < _HELD_UP * np.median(seconds))
+    return 1 / np.median(seconds), lost.mean()
 
 
 def connections(path, name):
