@@ -106,12 +106,13 @@ def survey(
             run.run(lambda step, place, total: person.begin(step.title, place, total))
         except (KeyboardInterrupt, MikasError):
             person.clear()
-            context.say(
-                f"Stopped. What was measured is kept in {run.folder.path}; the same command goes "
-                "on from there.",
-                f"Прервано. Измеренное сохранено в {run.folder.path}; та же команда продолжит с "
-                "этого места.",
-            )
+            if run.folder.path.is_dir():
+                context.say(
+                    f"Stopped. What was measured is kept in {run.folder.path}; the same command "
+                    "goes on from there.",
+                    f"Прервано. Измеренное сохранено в {run.folder.path}; та же команда продолжит "
+                    "с этого места.",
+                )
             raise
         person.clear()
         answers = run.answers
