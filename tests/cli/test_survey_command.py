@@ -147,3 +147,12 @@ def test_an_engine_that_the_unit_does_not_show_is_not_taken_to_run(mikas):
     assert steps["strokes"]["verdict"] == "not-asked"
     assert "no person has said so" in steps["strokes"]["detail"]
     assert "7F" not in read_survey(Path("unit.zip")).unit["missing"]
+
+
+def test_nothing_is_said_to_be_kept_where_its_folder_can_not_be_made(mikas):
+    Path("unit.zip.part").write_text("mine")
+    ran = survey(mikas, "--yes", "--without-engine")
+    assert ran.status not in {0, 1}, ran
+    assert "unit.zip.part" in ran.err
+    assert "kept" not in ran.err
+    assert Path("unit.zip.part").read_text() == "mine"
