@@ -179,7 +179,7 @@ ACTIONS = (
         press("actions/ActionsSheet edit"),
         press("actions/ActionForm save"),
         press("actions/ActionsSheet perform"),
-        shows(TOASTS, "Done as a trial"),
+        shows(SHEET, "Done as a trial"),
         tick("Sound and voice on this page"),
         tick("Sound and voice on this page"),
         press("actions/ActionsSheet remove"),
