@@ -61,3 +61,14 @@ it("while recording, another port is asked about first", async () => {
   expect(shown.stores.connection.leaving).toEqual({ file: "a.pcapng", port: "COM1", driven: false });
   expect(sent(shown)).toEqual([]);
 });
+
+it("the pause's field stays open while its own reconnection closes the port", async () => {
+  const shown = await ports("sampling");
+  const field = () => document.querySelector<HTMLDetailsElement>("[data-pause]");
+  const before = field()!;
+  before.open = true;
+  void shown.stores.connection.pausing.run(() => new Promise(() => undefined));
+  shown.say({ line: "off", port: null });
+  flushSync();
+  expect(field()).toBe(before);
+});
