@@ -177,7 +177,7 @@ def main(wanted: list[str]) -> None:
         ask("/actions", ACTIONS, "PUT")
         ask("/recording/start")
         ask("/control/release")
-        time.sleep(SECONDS)
+        time.sleep(SECONDS)  # the real program drives in real time: charts are to be full
         for size, shown in ((DESKTOP, (instruments, actions)), (PHONE, (on_a_phone,))):
             with car_at_ports.tabs(wanted, size) as tabs:
                 for tab in tabs:
@@ -190,7 +190,7 @@ def main(wanted: list[str]) -> None:
             for tab in tabs:
                 trip(tab)
     with car_at_ports.program("warm-idle"):
-        time.sleep(SETTLED)
+        time.sleep(SETTLED)  # real time, too
         with car_at_ports.tabs(wanted) as tabs:
             for tab in tabs:
                 writing(tab)

@@ -28,7 +28,7 @@ PHONE = ViewportSize(width=390, height=844)
 PORT = 8077
 ADDRESS = f"http://127.0.0.1:{PORT}"
 CLIENT = "pictures-0002"
-WORK = Path("/tmp/car")  # it is on pictures
+WORK = Path("/tmp/car")  # short and always the same: pictures show the ports in it
 MIKAS = (sys.executable, "-m", "mikas")
 UNIT, METER, GPS = (str(WORK / name) for name in ("ttyUSB0", "ttyUSB1", "ttyUSB2"))
 

@@ -27,7 +27,7 @@ def wait_for(regime: str) -> dict[str, Any]:
             ask("/survey/answer", {"id": asked["id"], "done": True, "figure": RPM})
         if state["instruction"] and state["step"] and state["step"]["regime"] == regime:
             return state
-        time.sleep(0.5)
+        time.sleep(0.5)  # the real program, looked at twice a second
 
 
 def photograph(name: str, wanted: list[str], there: str) -> None:

@@ -7,6 +7,7 @@ from playwright.sync_api import FilePayload, expect
 from browser.rig import Tab
 
 from .on_live import BAND, CLOSE, TOASTS
+from .on_writing import WRITING
 from .steps import (
     CLOSED,
     SHEET,
@@ -344,33 +345,6 @@ MEMORY = (
         press("memory/dumps/DumpCard compare_verb", within=DUMP),
         shows(f"{SHEET} [type=file]"),
         press("memory/dumps/CompareSheet close", css="dialog .foot button"),
-        CLOSED,
-    ),
-)
-WRITING = (
-    row(
-        "live",
-        "a parameter is written, and put back",
-        press("live/tiles/Opener button", css='[data-opens="RCOD"]'),
-        press("channelCard/ChannelCard write"),
-        press("writing/Lock unlock"),
-        press("writing/Lock unlock_yes"),
-        press("writing/WriteParameter less"),
-        press("writing/WriteParameter more"),
-        press("writing/WriteParameter review"),
-        shows(f"{SHEET} [data-after]", "[0-9]"),
-        Shot("proposed"),
-        press("writing/WriteParameter no"),
-        press("writing/WriteParameter review"),
-        press("writing/WriteParameter confirm"),
-        says("Written and read back"),
-        press("faults/Journal journal"),
-        press("writing/WriteParameter back"),
-        gone(f"{SHEET} button:has-text('Back to')"),
-        press("writing/Lock lock"),
-        says("Writing is locked"),
-        press("writing/WriteParameter close"),
-        CLOSE,
         CLOSED,
     ),
 )

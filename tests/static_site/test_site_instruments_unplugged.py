@@ -50,7 +50,7 @@ class Instrument:
 
     def message(self, number):
         """The message of a number, and its value."""
-        raise NotImplementedError
+        raise NotImplementedError  # each kind has its own
 
     def _run(self):
         while not self._ended.wait(self._every):
