@@ -29,6 +29,8 @@ export class ConnectionStore {
   readonly pausing = new ApiRequest<State>();
   /** The port being connected to; "" for the most likely one. */
   wanted = $state<string | null>(null);
+  /** The port that a person is typing. */
+  typed = $state("");
   /** Disconnecting or connecting elsewhere would end this recording and has to be confirmed. Without `port`: disconnect. */
   leaving = $state.raw<{ file: string; port?: string | null; driven?: boolean } | null>(null);
 
@@ -41,6 +43,10 @@ export class ConnectionStore {
   others = $state(false);
   /** When the check began, in seconds of this computer. */
   checkedAt = $state(0);
+
+  /** The change of the port that runs. */
+  private turning: Promise<unknown> | null = null;
+  private turns = 0;
 
   /** The browser's list is shown. */
   choosing = $state(false);
@@ -135,11 +141,11 @@ export class ConnectionStore {
   }
 
   private async turnTo(port?: string | null): Promise<boolean> {
-    const { api, live } = this.app;
-    this.wanted = port === undefined ? null : (port ?? "");
-    const state = await this.connecting.run(() => (port === undefined ? api.disconnect() : api.connect(port)));
-    this.wanted = null;
-    if (state) live.use(state);
+    const { api } = this.app;
+    const wanted = port === undefined ? null : (port ?? "");
+    this.wanted = wanted;
+    const state = await this.inTurn(this.connecting, () => (port === undefined ? api.disconnect() : api.connect(port)));
+    if (this.wanted === wanted) this.wanted = null;
     return state !== undefined;
   }
 
@@ -147,9 +153,26 @@ export class ConnectionStore {
   async keepPause(pause: number | "auto"): Promise<void> {
     const { api, live } = this.app;
     const { port, plan } = live.state ?? {};
-    if (!port || !plan) return;
-    const state = await this.pausing.run(() => api.connect(port, { pause, method: plan.method, rate: plan.rate }));
-    if (state) live.use(state);
+    if (port && plan) await this.inTurn(this.pausing, () => api.connect(port, { pause, method: plan.method, rate: plan.rate }));
+  }
+
+  /**
+   * Change the port once the change before has ended: the program refuses two at a time, and a press may arrive before the one that it follows.
+   * Undefined if it failed, or if another one was wanted meanwhile.
+   */
+  private async inTurn(request: ApiRequest<State>, job: () => Promise<State>): Promise<State | undefined> {
+    const turn = ++this.turns;
+    while (this.turning) await this.turning;
+    if (turn !== this.turns) return undefined;
+    const running = request.run(job);
+    this.turning = running.catch(() => undefined);
+    try {
+      const state = await running;
+      if (state) this.app.live.use(state);
+      return state;
+    } finally {
+      this.turning = null;
+    }
   }
 
   /** Check the connection; `others`: where no Mikas answers, look for another kind of unit. */
