@@ -5,7 +5,9 @@ import { channelOf, eachOnItsOwnPage, page } from "../../../../test/pageRig";
 import type { Instruments } from "../../../lib/api/types";
 import { channelsOf, definitionOf, draftOf, namesIn, notNumber } from "./draft";
 import Ports from "../Ports.svelte";
+import Screen from "../Screen.svelte";
 import InstrumentsCard from "./InstrumentsCard.svelte";
+import InstrumentSheets from "./InstrumentSheets.svelte";
 
 eachOnItsOwnPage();
 const words = (text: string) => ({ en: text, ru: text });
@@ -34,6 +36,7 @@ async function card(list: Instruments, allowed = true) {
   await shown.stores.instruments.list.reload();
   await shown.stores.connection.ports.reload();
   shown.show(InstrumentsCard, { allowed });
+  shown.show(InstrumentSheets, {});
   flushSync();
   return shown;
 }
@@ -144,4 +147,23 @@ it("what is not changed of a definition keeps its other language", () => {
   expect(definitionOf(draft, () => false, before, said)).toMatchObject({ text, channels: [{ text, unit: "bar" }] });
   const changed = definitionOf({ ...draft, text: "Турбо" }, () => false, before, said);
   expect(changed).toMatchObject({ text: { en: "Турбо", ru: "Турбо" }, channels: [{ text }] });
+});
+
+it("a definition that is being written stays while the card is cut off from the program, and goes with the screen", async () => {
+  const shown = page({ "/instruments": NONE, "/ports": { ports: [] }, "/about": { lan_links: [], links: [] } });
+  shown.say({ line: "sampling", port: "COM3", instruments: [] });
+  await shown.stores.instruments.list.reload();
+  const whole = shown.show(Screen, {});
+  flushSync();
+  await press("Add an instrument…");
+  await pick("Instrument", "own");
+  await fireEvent.input(screen.getByLabelText("Name"), { target: { value: "boost" } });
+  shown.stores.live.link = "lost";
+  flushSync();
+  expect(screen.queryByRole("button", { name: "Add an instrument…" })).toBeNull();
+  shown.stores.live.link = "open";
+  flushSync();
+  expect(screen.getByLabelText<HTMLInputElement>("Name").value).toBe("boost");
+  await whole.unmount();
+  expect(shown.stores.instruments.sheet).toBeNull();
 });

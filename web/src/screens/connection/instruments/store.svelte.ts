@@ -1,7 +1,7 @@
 // The instruments beside the unit: which there are, and this device's own position, if it is one of them.
 import { ApiRequest } from "../../../lib/api/request.svelte";
 import { Resource } from "../../../lib/api/resource.svelte";
-import type { Instruments, NewInstrument, OwnInstrument } from "../../../lib/api/types";
+import type { InstrumentDefinition, Instruments, NewInstrument, OwnInstrument } from "../../../lib/api/types";
 import { watch } from "../../../lib/platform/watch.svelte";
 import type { Stores } from "../../../stores";
 import { OwnPosition } from "./ownPosition.svelte";
@@ -19,6 +19,8 @@ export class InstrumentStore {
   /** What a sheet asks for: its error is shown there, for a sheet covers the toasts. */
   readonly adding = new ApiRequest<Instruments>();
   readonly defining = new ApiRequest<Instruments>();
+  /** Null: none is shown; `known` null: a new definition. */
+  sheet = $state.raw<"add" | { known: InstrumentDefinition | null } | null>(null);
   readonly own = new OwnPosition((position) => this.app.api.sendPosition(position));
   /** The ports at which they are: none of them is the unit's. */
   readonly ports = $derived.by<ReadonlySet<string>>(() => new Set(this.list.value?.instruments.map(({ port }) => port)));

@@ -1,4 +1,5 @@
 import { fireEvent, screen, waitFor } from "@testing-library/svelte";
+import { flushSync } from "svelte";
 import { expect, it } from "vitest";
 import type { SurveyState } from "../../../lib/api/types";
 import { eachOnItsOwnPage, page } from "../../../../test/pageRig";
@@ -200,4 +201,37 @@ it("a trial on the virtual car asks nobody to send its file", async () => {
   await screen.findByText("Saved: virtual-survey.zip");
   expect(document.body.textContent).toContain("don't send the file");
   expect(screen.queryByText(/Send it with an issue/)).toBeNull();
+});
+
+/** The page is cut off from the program for a moment: a screen that was locked, a program that is busy. */
+function cutOff({ stores }: ReturnType<typeof shown>) {
+  for (const link of ["lost", "open"] as const) {
+    stores.live.link = link;
+    flushSync();
+  }
+}
+
+it("what the owner allows and enters stays while the page is cut off, and holds for one survey", async () => {
+  const rig = shown(IDLE);
+  const passports = () => screen.getByRole<HTMLInputElement>("checkbox", { name: /the unit.s passports/ });
+  await fireEvent.click(await screen.findByRole("checkbox", { name: /the unit.s passports/ }));
+  await fireEvent.input(screen.getByLabelText(/voltmeter/i), { target: { value: "12.6" } });
+  cutOff(rig);
+  expect([passports().checked, screen.getByLabelText<HTMLInputElement>(/voltmeter/i).value]).toEqual([true, "12.6"]);
+  await press("Start");
+  await screen.findByRole("button", { name: "Stop" });
+  expect(rig.stores.survey.entered).toMatchObject({ consents: { passports: false }, volts: "" });
+});
+
+it("a figure that is being typed stays while the page is cut off, and is gone with its question", async () => {
+  const asked = { id: 4, kind: "number" as const, name: "battery", text: words("How many volts?"), unit: words("V"), low: 6, high: 18 };
+  const rig = shown({ ...RUNNING, asked });
+  const field = () => screen.getByLabelText<HTMLInputElement>("How many volts?");
+  await fireEvent.input(await screen.findByLabelText("How many volts?"), { target: { value: "13.9" } });
+  cutOff(rig);
+  await screen.findByLabelText("How many volts?");
+  expect(field().value).toBe("13.9");
+  rig.stores.survey["take"]({ ...RUNNING, asked: { ...asked, id: 5 } });
+  flushSync();
+  expect(field().value).toBe("");
 });

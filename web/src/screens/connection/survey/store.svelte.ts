@@ -7,12 +7,16 @@ import type { Stores } from "../../../stores";
 /** ms between two questions while a survey runs, and while none does: another page may start one. */
 const RUNNING = 500;
 const IDLE = 3000;
+/** Until the owner says otherwise. */
+const CONSENTS = { engine: true, passports: false, memory: false };
 
 export class SurveyStore {
   state = $state.raw<SurveyState | null>(null);
   readonly asking = new ApiRequest<SurveyState>();
   readonly change = new ApiRequest<SurveyState>();
   readonly result = new ApiRequest<SurveyResult>();
+  /** What the owner allows and has entered so far: a page that is cut off for a moment takes nothing of it away. */
+  readonly entered = $state({ consents: { ...CONSENTS }, volts: "", figure: "" });
   /** Counts what this page changes: an answer to a question of before is of the state before. */
   private changes = 0;
 
@@ -35,7 +39,12 @@ export class SurveyStore {
     };
   }
 
-  start = (request: SurveyRequest) => this.run(() => this.app.api.startSurvey(request));
+  /** A consent holds for one survey. */
+  async start(request: SurveyRequest): Promise<void> {
+    await this.run(() => this.app.api.startSurvey(request));
+    if (this.state?.phase === "running") Object.assign(this.entered, { consents: { ...CONSENTS }, volts: "" });
+  }
+
   stop = () => this.run(() => this.app.api.stopSurvey());
   save = () => this.run(() => this.app.api.saveSurvey());
   forget = () => this.run(() => this.app.api.forgetSurvey());
@@ -54,6 +63,7 @@ export class SurveyStore {
 
   private take(state: SurveyState): void {
     if (state.phase === "running" || state.phase === "idle") this.result.reset();
+    if (state.asked?.id !== this.state?.asked?.id) this.entered.figure = "";
     this.state = state;
   }
 }

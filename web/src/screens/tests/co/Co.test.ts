@@ -1,4 +1,5 @@
 import { fireEvent, screen, waitFor } from "@testing-library/svelte";
+import { flushSync } from "svelte";
 import { expect, it, vi } from "vitest";
 import type { CoStep } from "../../../lib/api/types";
 import { eachOnItsOwnPage, page } from "../../../../test/pageRig";
@@ -144,4 +145,24 @@ it("a λ meter beside the unit gives its figure by one touch", async () => {
   await press(/^Take 1.* from the meter beside the unit$/);
   await press("Next step");
   await waitFor(() => expect(bodies("/co/step")).toEqual([{ meter: "lambda", target: 0.98, within: 0.015, found: "88", figures: [1.02] }]));
+});
+
+it("what a person has typed stays while the unit is away", async () => {
+  const it = setting();
+  const away = () => {
+    for (const line of ["no-echo", "sampling"] as const) {
+      it.say({ line, unlocked_until: 1e12 });
+      flushSync();
+    }
+  };
+  await screen.findByText(/Warm idle/);
+  await type(/Figure to reach/, "0.8");
+  await type(/Near enough/, "0.3");
+  away();
+  await press("Begin");
+  await screen.findByLabelText(/CO, % on the meter/);
+  await type(/CO, % on the meter/, "2.0");
+  away();
+  await press("Next step");
+  await waitFor(() => expect(it.bodies("/co/step")).toEqual([{ meter: "co", target: 0.8, within: 0.3, found: "88", figures: [2] }]));
 });

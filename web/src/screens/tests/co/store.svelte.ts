@@ -25,17 +25,23 @@ export class CoStore {
   /** The byte that RCOD had after the last write. */
   raw = $state<string | null>(null);
   readonly step = new ApiRequest<CoStep>();
+  /** What a person has entered so far: a line that is lost for a moment takes nothing of it away. */
+  readonly entered = $state<{ meter: CoMeter; target: string; within: string; figure: string }>({
+    ...{ meter: "co", target: "", within: "", figure: "" },
+  });
 
   constructor(private readonly app: Pick<Stores, "api">) {}
 
   begin(adjustment: Adjustment): void {
     this.adjustment = adjustment;
     [this.figures, this.due, this.change, this.raw] = [[], null, null, adjustment.found];
+    this.entered.figure = "";
     this.step.reset();
   }
 
   forget(): void {
     this.adjustment = this.due = this.change = null;
+    this.entered.figure = "";
   }
 
   /** Ask what to do with a figure of the meter. One that does not count, as the engine is not at warm idle, is asked for again. */
