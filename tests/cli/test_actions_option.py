@@ -107,3 +107,14 @@ def test_the_bell_rings_on_a_terminal_only(monkeypatch):
         with terminal.escaping():
             terminal.ring()
         assert stream.getvalue() == heard * 2
+
+
+def test_a_labelled_meters_channel_is_a_mistake_without_that_meter(mikas, actions):
+    options = actions('[action.a]\nwhen = "LAMBDA_LEFT > 1.1 and FREQ > 1"\nsound = true\n')
+    for meter in ((), ("--instrument", "right:aem=sim:")):
+        ran = mikas("watch", "FREQ", "--duration", "2", *options, *meter)
+        assert ran.status == 2
+        assert "actions.toml:2" in ran.err
+        assert "LAMBDA_LEFT" in ran.err
+    left = ("--instrument", "left:aem=sim:")
+    assert mikas("watch", "FREQ", "--duration", "2", *options, *left).status == 0

@@ -37,7 +37,7 @@ def recording(idle):
 
 def test_there_are_none_at_first(idle):
     assert idle.get("/actions") == {
-        "rules": [], "broker": "", "topic": "", "problem": None,
+        "rules": [], "broker": "", "topic": "", "problem": None, "waits": {},
         "network": sys.platform != "emscripten",
         "file": str(idle.dashboard.settings.in_state("actions.toml")),
     }  # fmt: skip
@@ -99,15 +99,21 @@ def test_rules_are_a_file_that_a_person_can_read_and_they_outlive_the_program(tm
         assert "for = 2" in text
     with rig(tmp_path, None) as it:
         assert [rule["name"] for rule in it.get("/actions")["rules"]] == ["runs"]
-    file.write_text(text.replace("FREQ > 100", "FREK > 100"), "utf-8")
+    file.write_text(text.replace("FREQ > 100", "FREK > 100").replace("{FREQ}", ""), "utf-8")
+    with rig(tmp_path, None) as it:
+        found = it.get("/actions")
+        assert (found["problem"], len(found["rules"])) == (None, 1)
+        assert "FREK" in found["waits"]["runs"]["en"]
+        assert "ближайшее — FREQ" in found["waits"]["runs"]["ru"]
+    file.write_text(text.replace("FREQ > 100", "FREQ >"), "utf-8")
     with rig(tmp_path, None) as it:
         found = it.get("/actions")
         assert found["rules"] == []
         assert "actions.toml:2" in found["problem"]["en"]
-        assert "FREQ" in found["problem"]["ru"]
+        assert "ошибка в записи" in found["problem"]["ru"]
         put(it, RUNS)
         assert it.get("/actions")["problem"] is None
-    assert "FREK" in file.with_name("actions.toml.broken").read_text("utf-8")
+    assert "FREQ >" in file.with_name("actions.toml.broken").read_text("utf-8")
 
 
 @pytest.mark.parametrize(
@@ -173,12 +179,15 @@ def test_a_webhook_that_nobody_answers_is_said_on_the_page_and_stops_nothing(idl
     assert idle.sampling()["line"] == "sampling"
 
 
-def test_a_changed_catalog_is_used_and_one_that_lacks_a_channel_says_so(idle):
+def test_a_rule_rests_whose_channel_a_changed_catalog_lacks_and_the_others_act(idle):
     twice = {"formula": "FREQ * 2", "text": {"en": "twice", "ru": "вдвое"}, "new": True}
     idle.put("/channels/TWICE", twice)
-    put(idle, {"name": "a", "when": "TWICE > 10", "sound": True, "hold": 3000})
+    other = {"name": "b", "when": "FREQ > 10", "sound": True, "hold": 3000}
+    put(idle, {"name": "a", "when": "TWICE > 10", "sound": True, "hold": 3000}, other)
     version = idle.get("/catalog")["version"]
     idle.delete("/channels/TWICE", version=version)
     found = idle.get("/actions")
-    assert found["rules"] == []
-    assert "TWICE" in found["problem"]["en"]
+    assert (found["problem"], len(found["rules"]), list(found["waits"])) == (None, 2, ["a"])
+    assert "TWICE" in found["waits"]["a"]["en"]
+    idle.put("/channels/TWICE", twice)
+    assert idle.get("/actions")["waits"] == {}

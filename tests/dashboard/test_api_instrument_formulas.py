@@ -30,39 +30,99 @@ def until_value(it, name):
     it.until(has)
 
 
+def actions(message):
+    return [e for e in message.get("events", []) if e["kind"] == "action"]
+
+
+def acted(name):
+    return lambda message: [e for e in actions(message) if e["name"] == name]
+
+
 def test_an_action_fires_on_a_meter_that_is_added_later(idle):
     idle.put("/actions", {"rules": [LEAN]})
     tried = idle.post("/actions/try", LEAN)
     assert (tried["problem"], tried["value"], tried["count"]) == (None, None, 0)
     with idle.live() as live:
         idle.post("/instruments", METER)
-
-        def fired(message):
-            return [e for e in message.get("events", []) if e["kind"] == "action"]
-
-        (event,) = fired(live.until(fired))
+        (event,) = actions(live.until(actions))
     assert (event["name"], event["text"]["en"]) == ("lean", f"Action lean: {LEAN['when']}")
     tried = idle.post("/actions/try", LEAN)
     assert (tried["value"], tried["count"]) == (1, 1)
 
 
-def test_a_rule_of_a_labelled_meter_is_kept_while_it_is_away(tmp_path):
+def test_a_rule_of_a_labelled_meter_rests_while_it_is_away_and_the_others_act(tmp_path):
     rule = {**LEAN, "when": "LAMBDA_LEFT > 0.5"}
+    other = {**LEAN, "name": "other", "when": "FREQ > 100"}
+    left = METER | {"label": "left"}
     with rig(tmp_path, IDLE) as it:
         problem = it.put("/actions", {"rules": [rule]}, 400)["en"]
         assert "LAMBDA_LEFT" in problem
         assert "nearest is LAMBDA" in problem
-        it.post("/instruments", METER | {"label": "left"})
-        it.put("/actions", {"rules": [rule, {**LEAN, "name": "other", "when": "FREQ > 1"}]})
-    with rig(tmp_path, IDLE) as it:
-        assert it.get("/actions")["problem"] is None
+        it.post("/instruments", left)
+        assert it.put("/actions", {"rules": [rule, other]})["waits"] == {}
         it.delete("/instruments/left:aem")
-        assert [each["name"] for each in it.get("/actions")["rules"]] == ["lean", "other"]
+    with rig(tmp_path, IDLE) as it, it.live() as live:
+        found = it.get("/actions")
+        assert found["problem"] is None
+        assert [each["name"] for each in found["rules"]] == ["lean", "other"]
+        assert list(found["waits"]) == ["lean"]
+        assert "LAMBDA_LEFT" in found["waits"]["lean"]["en"]
+        assert "Connection" in found["waits"]["lean"]["en"]
+        live.until(acted("other"))
+        it.post("/actions/lean/perform")
+        it.post("/instruments", left)
+        found = it.get("/actions")
+        assert (found["waits"], len(found["rules"])) == ({}, 2)
+        live.until(acted("lean"))
+
+
+def test_rules_are_saved_while_the_meter_of_one_is_away(tmp_path):
+    rule = {**LEAN, "when": "LAMBDA_LEFT > 0.5"}
     with rig(tmp_path, IDLE) as it:
-        assert "LAMBDA_LEFT" in it.get("/actions")["problem"]["en"]
         it.post("/instruments", METER | {"label": "left"})
-        assert it.get("/actions")["problem"] is None
-        assert len(it.get("/actions")["rules"]) == 2
+        it.put("/actions", {"rules": [rule]})
+        it.delete("/instruments/left:aem")
+        assert list(it.get("/actions")["waits"]) == ["lean"]
+        more = {**LEAN, "name": "more", "when": "LAMBDA_LEFT > 2 and FREQ > 1"}
+        kept = it.put(
+            "/actions", {"rules": [rule, {**LEAN, "name": "b", "when": "FREQ > 1"}, more]}
+        )
+        assert list(kept["waits"]) == ["lean", "more"]
+        wrong = {**LEAN, "name": "c", "when": "LAMBDA_RIGHT > 1"}
+        assert "LAMBDA_RIGHT" in it.put("/actions", {"rules": [rule, wrong]}, 400)["en"]
+    with rig(tmp_path, IDLE) as it:
+        assert [each["name"] for each in it.get("/actions")["rules"]] == ["lean", "b", "more"]
+        tried = it.post("/actions/try", rule)
+        assert (tried["problem"], tried["value"]) == (None, None)
+        assert "LAMBDA_LEFT" in tried["waits"]["en"]
+
+
+def test_a_meter_that_comes_does_not_let_the_other_rules_act_once_more(tmp_path):
+    once = {**LEAN, "name": "once", "when": "FREQ > 100", "once": True}
+    left = METER | {"label": "left"}
+    with rig(tmp_path, IDLE) as it:
+        it.post("/instruments", left)
+        it.put("/actions", {"rules": [{**LEAN, "when": "LAMBDA_LEFT > 0.5"}]})
+        it.delete("/instruments/left:aem")
+        it.put("/actions", {"rules": [{**LEAN, "when": "LAMBDA_LEFT > 0.5"}, once]})
+        seen = []
+        with it.live() as live:
+            live.until(acted("once"))
+            it.post("/instruments", left)
+            live.until(lambda message: seen.extend(actions(message)) or acted("lean")(message))
+        assert [each["name"] for each in seen] == ["lean"]
+
+
+def test_a_rule_on_a_meter_that_is_not_there_says_so(idle):
+    tried = idle.post("/actions/try", LEAN)
+    assert "No instrument beside the unit gives LAMBDA" in tried["waits"]["en"]
+    assert "Connection" in tried["waits"]["en"]
+    assert "LAMBDA" in tried["waits"]["ru"]
+    kept = idle.put("/actions", {"rules": [LEAN]})
+    assert kept["waits"] == {"lean": tried["waits"]}
+    idle.post("/instruments", METER)
+    assert idle.post("/actions/try", LEAN)["waits"] is None
+    assert idle.get("/actions")["waits"] == {}
 
 
 def test_moments_of_a_meter_are_found_live_and_recorded(idle):

@@ -139,6 +139,14 @@ class ConditionWatch:
             self.interrupt()
         return ()
 
+    def take_over(self, before: ConditionWatch) -> None:
+        """Know of the same rules whether and when they have acted, as `before` does."""
+        acted = dict(zip(before.rules, before._states, strict=True))
+        self._states = [
+            acted.get(rule, state) for rule, state in zip(self.rules, self._states, strict=True)
+        ]
+        self.interrupt()
+
     def interrupt(self) -> None:
         """Forget all values: what held before does not count any more."""
         self._latest.clear()

@@ -1,17 +1,18 @@
 """Reads `actions.toml`: rules by name, and the broker of their messages.
 
 A mistake is a `CatalogError` with file and line. A file has at most fifty rules; its size is
-bounded before it is parsed (`mikas.toml`).
+bounded before it is parsed (`mikas.toml`). A channel that does not exist is a mistake, too, unless
+the program's instruments come and go: then the rule rests, and the others act.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from string import Formatter
-from typing import Any, Final
+from typing import Any, Final, TypeAlias
 
 from mikas.catalog import Catalog
 from mikas.catalog.formula_syntax import Parsed, parse
@@ -49,15 +50,30 @@ class LoadedActions:
 
     rules: tuple[ActionRule, ...] = ()
     """The rules, in the order of the file."""
+    resting: frozenset[str] = frozenset()
+    """The names of those that name a channel which does not exist now."""
     broker: str = ""
     """The address of the MQTT broker; empty: there is none."""
     topic: str = ""
     """The topic below which the messages are; empty: `mikas/actions`."""
 
+    @property
+    def acting(self) -> tuple[ActionRule, ...]:
+        """The rules that do not rest."""
+        return tuple(rule for rule in self.rules if rule.name not in self.resting)
 
-def load_actions(path: Path, catalog: Catalog) -> LoadedActions:
+
+MayRest: TypeAlias = Callable[[str], bool]
+"""Whether a rule may rest that names this channel, which does not exist now."""
+
+
+def _never(_: str) -> bool:
+    return False
+
+
+def load_actions(path: Path, catalog: Catalog, may_rest: MayRest = _never) -> LoadedActions:
     """Return the rules in a file. Raises `CatalogError` with its line."""
-    return _Builder(read_source(path), catalog).actions()
+    return _Builder(read_source(path), catalog, may_rest).actions()
 
 
 def read_actions(name: str, text: str, catalog: Catalog) -> LoadedActions:
@@ -65,14 +81,17 @@ def read_actions(name: str, text: str, catalog: Catalog) -> LoadedActions:
     return _Builder(parse_source(name, text.encode("utf-8", "surrogatepass")), catalog).actions()
 
 
-def actions_in(tables: Mapping[str, Any], catalog: Catalog) -> LoadedActions:
+def actions_in(
+    tables: Mapping[str, Any], catalog: Catalog, may_rest: MayRest = _never
+) -> LoadedActions:
     """Return the rules in the tables of a file that does not exist yet. Raises `CatalogError`."""
-    return _Builder(CatalogFile("actions.toml", "", dict(tables)), catalog).actions()
+    return _Builder(CatalogFile("actions.toml", "", dict(tables)), catalog, may_rest).actions()
 
 
 class _Builder:
-    def __init__(self, source: CatalogFile, catalog: Catalog) -> None:
-        self._source, self._catalog = source, catalog
+    def __init__(self, source: CatalogFile, catalog: Catalog, may_rest: MayRest = _never) -> None:
+        self._source, self._catalog, self._may_rest = source, catalog, may_rest
+        self._resting = False  # the rule that is built
         schema: Schema = {"action": {"*": schema_of(ActionRule)}, "mqtt": _BROKER}
         self._form = read_table(source, (), source.tables, schema)
 
@@ -82,11 +101,16 @@ class _Builder:
             raise self._source.wrong(("action",), _TOO_MANY)
         mqtt = self._form.get("mqtt", {})
         broker, topic = mqtt.get("broker", ""), mqtt.get("topic", "")
-        rules = tuple(self._rule(name, keys) for name, keys in tables.items())
+        rules, resting = [], set()
+        for name, keys in tables.items():
+            self._resting = False
+            rules.append(self._rule(name, keys))
+            if self._resting:
+                resting.add(name)
         for rule in rules:
             if rule.mqtt and not broker:
                 raise self._source.wrong(("action", rule.name, "mqtt"), _NO_BROKER)
-        return LoadedActions(rules, broker, topic)
+        return LoadedActions(tuple(rules), frozenset(resting), broker, topic)
 
     def _rule(self, name: str, keys: Mapping[str, Any]) -> ActionRule:
         path = ("action", name)
@@ -120,15 +144,16 @@ class _Builder:
         """Return the formula of channels at `path`; a sum over time is none of the moment."""
         try:
             parsed = parse(text, {}, self._catalog.input_of)
-            for name in parsed.inputs:
-                self._catalog.formula_channel(name)
-        except UnknownParameter as error:
-            unknown = error.fields.get("name", "")
-            raise self._source.wrong(
-                path, does_not_exist(str(unknown), self._catalog.formula_channels)
-            ) from None
         except UsageError as error:
             raise self._source.wrong(path, error.reason) from None
+        for name in parsed.inputs:
+            try:
+                self._catalog.formula_channel(name)
+            except UnknownParameter:
+                if not self._may_rest(name):
+                    problem = does_not_exist(name, self._catalog.formula_channels)
+                    raise self._source.wrong(path, problem) from None
+                self._resting = True
         derived = self._catalog.derived
         for channel in in_order(derived, (name for name in parsed.inputs if name in derived)):
             if channel.accumulates:

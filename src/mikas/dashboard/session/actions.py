@@ -1,7 +1,8 @@
 """Actions on conditions of the running connection: followed in the sampling thread, done at once.
 
 The rules are those of `actions.toml` in the state folder, which a person may edit, too: a file with
-a mistake is not used, and `problem` has file and line. Sounds and words go to the pages as events
+a mistake is not used, and `problem` has file and line. A rule on a channel that does not exist
+rests until an instrument gives it; the others act. Sounds and words go to the pages as events
 (`ActionDone`); what takes time or the line, a recording's begin and end, to the event loop.
 """
 
@@ -67,8 +68,9 @@ class SessionActions:
 
     def load(self) -> None:
         """Use the file; called at the start, and when the catalog has changed."""
+        before = self._watch
         try:
-            self._use(load_actions(self.path, self._catalog()))
+            self._use(load_actions(self.path, self._catalog(), lambda _: True), before)
             self.problem = None
         except CatalogError as error:
             absent = isinstance(error.__cause__, ABSENT)
@@ -83,8 +85,12 @@ class SessionActions:
 
         Rules of an instrument that is gone stay: they have no value until it is back.
         """
-        if self.problem is not None:
+        if self.problem is not None or self.loaded.resting:
             self.load()
+
+    def may_rest(self, channel: str) -> bool:
+        """Return whether a rule in use names that channel: it may, while its instrument is away."""
+        return any(channel in rule.channels for rule in self.loaded.rules)
 
     def replace(self, actions: LoadedActions) -> None:
         """Use these rules, and keep them. Raises `UsageError`; then those before stay.
@@ -104,14 +110,18 @@ class SessionActions:
         """End the connections to a broker and to webhooks; may take seconds."""
         self._use(LoadedActions())
 
-    def _use(self, actions: LoadedActions) -> None:
+    def _use(self, actions: LoadedActions, acted: ConditionWatch | None = None) -> None:
+        """Use these rules; those of `acted` don't act once more."""
         catalog = self._catalog()
-        watch = ConditionWatch(actions.rules, catalog) if actions.rules else None
+        watch = ConditionWatch(actions.acting, catalog) if actions.acting else None
         runner = ActionRunner(
             actions, catalog, self.hands, self._failed, lambda: self._connection.later
         )
         before, self._runner = self._runner, runner
-        self._watch, self.loaded = watch, actions
+        with self._following:
+            if watch is not None and acted is not None:
+                watch.take_over(acted)
+            self._watch, self.loaded = watch, actions
         if before is not None:
             before.close()
 

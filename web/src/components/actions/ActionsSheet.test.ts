@@ -11,11 +11,18 @@ const HOT: ActionRule = {
   ...{ sound: true, speak: null, mqtt: false, webhook: "" },
 };
 
-function sheet({ rules = [HOT], problem = null as object | null, network = true, tried = {} as object, written = {} as unknown } = {}) {
-  const kept = { rules, broker: "", topic: "", problem, network, file: "actions.toml" };
+function sheet({
+  rules = [HOT],
+  problem = null as object | null,
+  network = true,
+  waits = {},
+  tried = {} as object,
+  written = {} as unknown,
+} = {}) {
+  const kept = { rules, broker: "", topic: "", problem, network, waits, file: "actions.toml" };
   let now: object = kept;
   const shown = page({
-    "/actions/try": { problem: null, value: 0, times: [], count: 0, seconds: 600, ...tried },
+    "/actions/try": { problem: null, waits: null, value: 0, times: [], count: 0, seconds: 600, ...tried },
     "/actions/hot/perform": () => now,
     "/actions": (body: unknown) => {
       if (body === undefined) return now;
@@ -61,6 +68,15 @@ it("a mistake in the condition is shown, and is not saved", async () => {
   await fireEvent.click(button("Edit…"));
   await screen.findByText(/names TWOT/);
   expect(button("Save").disabled).toBe(true);
+});
+
+it("an action whose instrument is away says so in the list and in the form", async () => {
+  const waits = words("No instrument beside the unit gives LAMBDA: add one that does on Connection.");
+  sheet({ waits: { hot: waits }, tried: { waits, value: null } });
+  await screen.findByText(waits.en);
+  await fireEvent.click(button("Edit…"));
+  await vi.waitFor(() => expect(document.querySelector("[data-trial]")?.textContent).toContain(waits.en));
+  expect(text()).not.toContain("are not being read");
 });
 
 it("a mistake in what is said stands at its field, without the file's key", async () => {

@@ -90,10 +90,11 @@ export interface components {
         /**
          * @description What a rule would have done in the last minutes.
          *
-         *     `value`: what the formula gives now; null: no value, or `problem`.
+         *     `value`: what the formula gives now; null: no value, or `problem`. `waits`: as of the rules.
          */
         ActionTrial: {
             problem: components["schemas"]["TwoTexts"] | null;
+            waits: components["schemas"]["TwoTexts"] | null;
             value: number | null;
             /** @description at which it would have acted, the first hundred */
             times: number[];
@@ -117,6 +118,10 @@ export interface components {
             /** @default  */
             topic: string;
             problem: components["schemas"]["TwoTexts"] | null;
+            /** @description why a rule can't act now, by its name: nothing gives a channel of its formulas */
+            waits: {
+                [key: string]: components["schemas"]["TwoTexts"];
+            };
             network: boolean;
             /** @description where the rules are kept */
             file: string;

@@ -77,6 +77,9 @@ class ActionsResponse(ActionsRequest):
     """`problem`: why the file is not used; `network`: whether MQTT and webhooks can be reached."""
 
     problem: OptionalTexts
+    waits: dict[str, TwoTexts] = Field(
+        description="why a rule can't act now, by its name: nothing gives a channel of its formulas"
+    )
     network: bool
     file: str = Field(description="where the rules are kept")
 
@@ -84,10 +87,11 @@ class ActionsResponse(ActionsRequest):
 class ActionTrial(BaseModel):
     """What a rule would have done in the last minutes.
 
-    `value`: what the formula gives now; null: no value, or `problem`.
+    `value`: what the formula gives now; null: no value, or `problem`. `waits`: as of the rules.
     """
 
     problem: OptionalTexts
+    waits: OptionalTexts
     value: float | None
     times: list[float] = Field(description="at which it would have acted, the first hundred")
     count: int

@@ -11,8 +11,9 @@ from fastapi.responses import Response
 from mikas.cancellation import check_cancelled
 from mikas.catalog.lookup import is_corrected
 from mikas.cleaning import public_port
-from mikas.conditions import ConditionWatch
+from mikas.conditions import ActionRule, ConditionWatch
 from mikas.conditions.loading import actions_in
+from mikas.conditions.waiting import waiting_for
 from mikas.dashboard.api.actions.models import (
     ActionModel,
     ActionsRequest,
@@ -28,7 +29,7 @@ from mikas.dashboard.api.dependencies import (
     TheRequester,
     Viewer,
 )
-from mikas.dashboard.api.errors import errors, two
+from mikas.dashboard.api.errors import TwoTexts, errors, two
 from mikas.dashboard.dashboard import Dashboard
 from mikas.dashboard.errors import BadRequest, NotFound, OnlyHere
 from mikas.errors import CatalogError
@@ -62,7 +63,8 @@ def write_actions(
     if not client.local and reaches_network(body) != reaches_network(before):
         raise OnlyHere
     try:
-        loaded = actions_in(body.tables(), dashboard.formula_catalog)
+        catalog, may_rest = dashboard.formula_catalog, dashboard.actions.may_rest
+        loaded = actions_in(body.tables(), catalog, may_rest)
     except CatalogError as error:
         raise BadRequest(problem=error.problem) from error
     dashboard.actions.replace(loaded)
@@ -94,18 +96,34 @@ def _response(dashboard: Dashboard) -> ActionsResponse:
         broker=public_port(own.loaded.broker),
         topic=own.loaded.topic,
         problem=two(own.problem) if own.problem else None,
+        waits={
+            rule.name: two(text) for rule in own.loaded.rules if (text := _waits(dashboard, rule))
+        },
         network=own.network,
         file=str(own.path),
     )
+
+
+def _waits(dashboard: Dashboard, rule: ActionRule) -> Text | None:
+    return waiting_for(rule.channels, dashboard.formula_catalog)
+
+
+def _without_values(problem: TwoTexts | None, waits: TwoTexts | None) -> ActionTrial:
+    return ActionTrial(problem=problem, waits=waits, value=None, times=[], count=0, seconds=0)
 
 
 def _tried(dashboard: Dashboard, body: ActionModel) -> ActionTrial:
     table = body.table() | {"sound": True, "mqtt": False}  # what it does is no matter here
     try:
         catalog = dashboard.formula_catalog
-        loaded = actions_in({"action": {body.name: table}}, catalog)
+        may_rest = dashboard.actions.may_rest
+        loaded = actions_in({"action": {body.name: table}}, catalog, may_rest)
     except CatalogError as error:
-        return ActionTrial(problem=two(error.problem), value=None, times=[], count=0, seconds=0)
+        return _without_values(two(error.problem), None)
+    (rule,) = loaded.rules
+    waits = two(text) if (text := _waits(dashboard, rule)) else None
+    if loaded.resting:
+        return _without_values(None, waits)
     watch = ConditionWatch(loaded.rules, catalog)
     rows = dashboard.history.rows(_SECONDS, (*watch.requires, *watch.beside))
     later, times = dashboard.connection.later, []
@@ -121,10 +139,11 @@ def _tried(dashboard: Dashboard, body: ActionModel) -> ActionTrial:
             check_cancelled()
         values = {name: float(column[at]) for name, column in columns}
         times += [fired.time + later for fired in watch.add(float(time), values)]
-    value = watch.value(loaded.rules[0])
+    value = watch.value(rule)
     length = float(rows.times[-1] - rows.times[0]) if len(rows.times) else 0.0
     return ActionTrial(
         problem=None,
+        waits=waits,
         value=value if isfinite(value) else None,
         times=times[:_MOST_TIMES],
         count=len(times),
