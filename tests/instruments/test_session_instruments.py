@@ -120,6 +120,9 @@ def test_a_wrong_speed_is_silence_with_its_reason(tmp_path: Path) -> None:
         (["gpsd=/dev/a"], "gpsd=gpsd:localhost:2947"),
         (["gpsd=sim:"], "no virtual “gpsd”"),
         (["aem=sim:?scenario=city"], "no options"),
+        (["aem=socket://box:1?baud=0"], "allowed: 50"),
+        (["aem=COM4?baud=99999999"], "allowed: 50"),
+        (["aem=COM4?baud=fast"], "allowed: 50"),
     ],
 )
 def test_what_can_not_be_is_refused(texts: list[str], problem: str) -> None:

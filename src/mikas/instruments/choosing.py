@@ -10,11 +10,12 @@ from urllib.parse import parse_qsl
 
 from mikas.catalog import Catalog, InstrumentChannel
 from mikas.cleaning import public_port
-from mikas.errors import usage_error
+from mikas.errors import UsageError, usage_error
 from mikas.instruments.definition import InstrumentDefinition
 from mikas.instruments.loading import definition_named, definition_names
 from mikas.instruments.places import GPSD, SIM, at_one_port
-from mikas.link.urls import parse
+from mikas.link.urls import bad_port_url, parse
+from mikas.options import OptionParser
 
 _LABEL: Final = re.compile(r"([A-Za-z][A-Za-z0-9_]{1,19}):(.+)")  # C:\my.toml has none
 _MOST: Final = 16
@@ -140,7 +141,7 @@ def placed(
     elif url.lower().startswith(SIM):
         _check_virtual(definition, url)
     else:
-        parse(url)
+        _check_speed(url, definition)
         if definition.decoder == "gpsd":
             raise usage_error(
                 "gpsd is reached by its own address, gpsd=gpsd:localhost:2947; a receiver at a "
@@ -160,6 +161,15 @@ def _check_virtual(definition: InstrumentDefinition, url: str) -> None:
             "У sim: как порта прибора нет параметров: они задаются машине, в --port",
         )
     check_virtual_instrument(definition.name)
+
+
+def _check_speed(url: str, definition: InstrumentDefinition) -> None:
+    """Raise `BadPortUrl` for a speed that no port has: the times of bytes are counted by it."""
+    options = OptionParser(parse(url).options)
+    try:
+        options.integer("baud", definition.baud, lowest=50, highest=4_000_000)
+    except UsageError as error:
+        raise bad_port_url(url, error.reason) from error
 
 
 def line_baud(definition: InstrumentDefinition, url: str) -> int:
