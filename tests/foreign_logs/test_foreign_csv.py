@@ -128,6 +128,40 @@ def test_two_columns_of_one_name_stay_two():
     assert list(values(log)) == ["T (front)", "T (rear)", "x", "x (2)"]
 
 
+def test_many_columns_of_one_name_are_told_apart_at_once():
+    """Each was compared with all before it: a line of 20,000 titles took 15 seconds."""
+    titles = ["x", "x", "x (2)", "", "x", *["y"] * 30_000]
+    preview = preview_log(f"t (s),{','.join(titles)}\n{'0,' * 30_006}\n".encode(), "a.csv")
+    names = [column.name for column in preview.columns]
+    assert names[:6] == ["t", "x", "x (2)", "x (2) (2)", "№ 5", "x (3)"]
+    assert names[-1] == "y (30000)"
+    assert len(set(names)) == len(names)
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+@pytest.mark.parametrize("hint", ["sep=;", "SEP=;", '"sep=;"', "sep=;;;"])
+def test_the_line_for_excel_is_no_row(hint, end):
+    text = end.join([hint, "Time (s);RPM;A;B", "0,0;800;1;2", "0,1;810;1;2", ""])
+    log = log_of(text)
+    assert [(it.name, it.unit) for it in log.columns] == [("RPM", ""), ("A", ""), ("B", "")]
+    assert list(log.times) == [0, 0.1]
+    assert not log.problems
+    log = log_of(end.join(["sep=|", "0|1", "1|2,5"]), time="№ 1", time_unit="s")
+    assert values(log) == {"№ 2": [1, 2.5]}
+    assert not log.problems
+
+
+def test_first_rows_without_their_empty_cells_are_no_titles():
+    """A meter that is connected later: a program writes its column from then on."""
+    rows = ["0,800", "0.1,810", "0.2,820,14.7", "0.3,830,14.6", "0.4,840,14.5"]
+    log = log_of("\n".join(["Logger,17", "Time,RPM,AFR", "s,rpm,", *rows]))
+    assert [(it.name, it.unit) for it in log.columns] == [("RPM", "rpm"), ("AFR", "")]
+    assert list(log.times) == [0, 0.1, 0.2, 0.3, 0.4]
+    assert [isnan(value) for value in log["AFR"].values] == [True, True, False, False, False]
+    log = log_of("\n".join(rows), time="№ 1", time_unit="s")
+    assert len(log) == 5
+
+
 @pytest.mark.parametrize(
     ("data", "line", "words"),
     [

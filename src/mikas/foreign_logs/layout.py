@@ -10,6 +10,7 @@ has the units. A title's last brackets are its unit (`Time (msec)`) where they h
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from math import isnan
@@ -125,16 +126,27 @@ def _is_value(cell: str, number: Numbers) -> bool:
 def _first_values(sample: Sequence[tuple[int, list[str]]], number: Numbers) -> int:
     """Return the place of the first row of values: half of its cells are numbers or times, and it
     is as wide as the rows usually are.
+
+    Rows right before it that have nothing but values are of them, too: a program may leave out the
+    empty cells at the end of a row.
     """
     widths = [len(cells) for _, cells in sample]
     tail = widths[len(widths) // 2 :]
     usual = max(set(tail), key=tail.count)
+    first = len(sample)
     for at, (_, cells) in enumerate(sample):
         filled = [cell for cell in cells if cell]
         values = sum(_is_value(cell, number) for cell in filled)
         if len(cells) == usual and filled and 2 * values >= len(filled):
-            return at
-    return len(sample)
+            first = at
+            break
+    while 0 < first < len(sample) and _is_all_values(sample[first - 1][1], number):
+        first -= 1
+    return first
+
+
+def _is_all_values(cells: Sequence[str], number: Numbers) -> bool:
+    return all(_is_value(cell, number) for cell in cells if cell)
 
 
 def _headings(
@@ -186,8 +198,8 @@ def _split(titles: list[str], units: list[str], *, in_titles: bool) -> tuple[lis
     if not in_titles:
         return titles, units
     pairs = [found.groups() if (found := _UNIT.fullmatch(it)) else (it, "") for it in titles]
-    cut = [name for name, _ in pairs]
-    alone = [cut.count(name) == 1 for name in cut]
+    counts = Counter(name for name, _ in pairs)
+    alone = [counts[name] == 1 for name, _ in pairs]
     names = [pair[0] if one else it for pair, one, it in zip(pairs, alone, titles, strict=True)]
     return names, [pair[1] if one else "" for pair, one in zip(pairs, alone, strict=True)]
 

@@ -181,15 +181,16 @@ def unique(names: Iterable[str]) -> list[str]:
     """Return the names, all different: the second `RPM` is `RPM (2)`, a nameless column has its
     number.
     """
-    found: dict[str, None] = {}
+    last: dict[str, int] = {}  # the number behind the last one of each name
     for number, name in enumerate(names, 1):
         own = name or f"№ {number}"
-        more, count = own, 1
-        while more in found:
+        more, count = own, last.get(own, 1)
+        while more in last:
             count += 1
             more = f"{own} ({count})"
-        found[more] = None
-    return list(found)
+        last[own] = count
+        last.setdefault(more, 1)
+    return list(last)
 
 
 def date_of(seconds: float) -> datetime | None:

@@ -33,6 +33,8 @@ _NUMBER: Final = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d{1,4})?"
 _MISSING: Final = frozenset({"", "nan"})
 _MOST_KEPT: Final = 1 << 16
 _SAMPLE: Final = 200
+_HINT: Final = re.compile(r'"?sep=([^"\r\n])"?[;,\t ]*\r?\n', re.IGNORECASE)
+"""The first line of a file for Excel: it names the delimiter, and is no row."""
 
 
 def decoded(data: bytes, name: str, encoding: str | None = None) -> tuple[str, str]:
@@ -85,10 +87,12 @@ def _encoding_of(data: bytes) -> str:
 
 
 def cells_of(text: str, delimiter: str, name: str) -> Iterator[tuple[int, list[str]]]:
-    """Yield (number of its last line from 1, cells) of each row; blank lines are left out.
+    """Yield (number of its last line from 1, cells) of each row.
 
-    Cells are stripped. Raises `ForeignLogError` for a cell without an end.
+    Blank lines and a first line `sep=;` for Excel are left out. Cells are stripped. Raises
+    `ForeignLogError` for a cell without an end.
     """
+    hint = _HINT.match(text)
     lines = io.StringIO(text, newline="")
     if delimiter == SPACE:
         rows = csv.reader((" ".join(line.split()) for line in lines), delimiter=SPACE)
@@ -106,7 +110,7 @@ def cells_of(text: str, delimiter: str, name: str) -> Iterator[tuple[int, list[s
         if any(len(cell) > _LONGEST_CELL or cell.count("\n") > _MOST_BREAKS for cell in cells):
             raise ForeignLogError(name, _UNREADABLE, line=rows.line_num)
         stripped = [cell.strip() for cell in cells]
-        if any(stripped):
+        if any(stripped) and not (hint and rows.line_num == 1):
             yield rows.line_num, stripped
 
 
@@ -128,7 +132,12 @@ def check_delimiter(delimiter: str, name: str) -> None:
 
 
 def delimiter_of(text: str, name: str) -> str:
-    """Return the delimiter: the first that cuts the last lines of a sample into equal rows."""
+    """Return the delimiter: the one of `sep=;`, else the first that makes equal rows.
+
+    The last lines of a sample count.
+    """
+    if hint := _HINT.match(text):
+        return hint[1]
     head = text[: 1 << 16]
     if len(head) < len(text):
         head = head[: head.rfind("\n") + 1] or head
