@@ -55,13 +55,19 @@ def test_a_whole_one_is_read(tmp_path):
 WRONG = {
     "no ZIP": (b"hello", "no ZIP archive"),
     "cut": (WHOLE[:-9], "no ZIP archive"),
-    **{f"no {name}": (changed(**{name.partition(".")[0]: None}), f"no {name}") for name in NAMES},
+    **{
+        f"no {name}": (
+            changed(**{name.partition(".")[0]: None}),
+            f"no {name}: it must be the ZIP that “mikas survey -o FILE.zip” has saved",
+        )
+        for name in NAMES
+    },
     "bomb": (changed(unit=b" " * ((1 << 22) + 1)), "unit.json in the archive unpacks to more"),
     "damaged": (damaged("capture.pcapng"), "capture.pcapng in the archive is damaged"),
     "newer": (changed(survey=survey(schema=2)), "another version"),
     "deep": (changed(survey=b"[" * 50_000), "no survey's ZIP"),
     "no object": (changed(survey=survey(measured=[])), "no survey's ZIP"),
-    "answers": (changed(survey=survey(answers=[{}])), "no survey's ZIP"),
+    "answers": (changed(survey=survey(answers=[{}])), "which “mikas survey"),
     "no text": (changed(unit=b"\xff"), "no survey's ZIP"),
     "infinite": (changed(unit=b'{"turn_round": 1e999}'), "no survey's ZIP"),
 }

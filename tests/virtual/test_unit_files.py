@@ -97,7 +97,10 @@ def in_zip(unit: bytes) -> bytes:
 HOSTILE = {
     "empty": (b"", "is no JSON"),
     "text": (b"hello", "mikas survey -o"),
-    "no member": (survey(PROFILE).replace(b"unit.json", b"unit.jsox"), "has no unit.json"),
+    "no member": (
+        survey(PROFILE).replace(b"unit.json", b"unit.jsox"),
+        "has no unit.json: it must be the ZIP that “mikas survey -o FILE.zip” has saved",
+    ),
     "cut": (survey(PROFILE)[:-10], "no ZIP archive"),
     "bomb": (in_zip(b" " * (MOST_BYTES + 1)), "more than 4096 KB"),
     "long": (b" " * (MOST_BYTES + 1), "larger than 4096 KB"),

@@ -60,9 +60,13 @@ _PACKED: Final = Text(
 
 
 class Archive:
-    """The members of an open ZIP archive. Raises `UnfitFile` for anything else, and for a bomb."""
+    """The members of an open ZIP archive. Raises `UnfitFile` for anything else, and for a bomb.
 
-    def __init__(self, file: BinaryIO) -> None:
+    `must_be`: what to say of an archive that lacks a member, such as where that kind comes from.
+    """
+
+    def __init__(self, file: BinaryIO, must_be: Text | None = None) -> None:
+        self._must_be = must_be
         _check_directory(file)
         try:
             self._zip = ZipFile(file)
@@ -80,7 +84,10 @@ class Archive:
         """Return the content of a member. Raises `UnfitFile` for none, or over `most` bytes."""
         entries = [entry for entry in self._zip.infolist() if entry.filename == name]
         if not entries:
-            raise UnfitFile(ENOENT, _NO_MEMBER.filled(name=name))
+            missing, must_be = _NO_MEMBER.filled(name=name), self._must_be
+            if must_be is not None:
+                missing = Text(f"{missing.en}: {must_be.en}", f"{missing.ru}: {must_be.ru}")
+            raise UnfitFile(ENOENT, missing)
         if len(entries) > 1:
             raise UnfitFile(EINVAL, _TWICE.filled(name=name))
         if entries[0].flag_bits & 1:

@@ -20,6 +20,7 @@ from mikas.files import open_regular
 from mikas.files.archives import Archive
 from mikas.i18n import Text
 from mikas.survey.answers import SurveyAnswer
+from mikas.virtual.unit_files import SAVED
 
 __all__ = ["SurveyFile", "read_survey"]
 
@@ -74,7 +75,7 @@ def archive(content: SurveyFile, readme: str) -> bytes:
 def read_survey(path: Path) -> SurveyFile:
     """Read a survey's ZIP. Raises `UsageError` with the file and its fault."""
     with naming_file(path), open_regular(path) as file:
-        packed = Archive(file)
+        packed = Archive(file, SAVED)
         members = {name: packed.read(name, most) for name, most in _MEMBERS.items()}
     try:
         survey = json.loads(members["survey.json"])
@@ -97,7 +98,8 @@ def read_survey(path: Path) -> SurveyFile:
 _UNFIT: Final = (ValueError, TypeError, LookupError, RecursionError)
 """What the members of another archive raise."""
 _NO_SURVEY: Final = Text(
-    "this is no survey's ZIP, or a damaged one", "это не ZIP обследования, или он повреждён"
+    "this is no survey's ZIP, which “mikas survey -o FILE.zip” saves, or a damaged one",
+    "это не ZIP обследования, какой сохраняет «mikas survey -o ФАЙЛ.zip», или он повреждён",
 )
 _OTHER_VERSION: Final = Text(
     "another version of mikas has made this survey",

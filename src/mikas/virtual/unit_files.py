@@ -10,11 +10,17 @@ from mikas.cleaning import clean_json
 from mikas.errors import UsageError, naming_file, usage_error
 from mikas.files import open_regular, too_large
 from mikas.files.archives import Archive
+from mikas.i18n import Text
 from mikas.virtual.unit_profile import UnitProfile
 
 MEMBER: Final = "unit.json"
 MOST_BYTES: Final = 4 << 20
 """Bytes of `unit.json`; 256 codes with as many samples each have less than 1 MB."""
+SAVED: Final = Text(
+    "it must be the ZIP that “mikas survey -o FILE.zip” has saved",
+    "нужен ZIP, который сохранила «mikas survey -o ФАЙЛ.zip»",
+)
+"""What an archive must be that has a unit's profile."""
 _ZIP: Final = b"PK"  # the begin of every part of an archive
 
 
@@ -29,7 +35,7 @@ def read(file: BinaryIO, name: str) -> UnitProfile:
     head = file.read(len(_ZIP))
     file.seek(0)
     if head == _ZIP:
-        return _profile(Archive(file).read(MEMBER, MOST_BYTES), f"{name}: {MEMBER}")
+        return _profile(Archive(file, SAVED).read(MEMBER, MOST_BYTES), f"{name}: {MEMBER}")
     data = file.read(MOST_BYTES + 1)
     if len(data) > MOST_BYTES:
         raise too_large(MOST_BYTES)
