@@ -20,10 +20,11 @@ function sheet({
   unlocked = true,
   proposed = {} as unknown,
   journal = [] as object[],
+  cut = { off: false },
   channel = angle,
 } = {}) {
   const shown = page({
-    "/parameters/UOZOC": () => ({ ...NOW, ...held }),
+    "/parameters/UOZOC": () => (cut.off ? refused(502, "LinkLost") : { ...NOW, ...held }),
     "/changes/n": () => (confirmation instanceof Response ? confirmation.clone() : confirmation),
     "/changes": () => (proposed instanceof Response ? proposed.clone() : { ...proposal, ...(proposed as object) }),
     "/journal": { entries: journal },
@@ -127,6 +128,41 @@ it.each(["WriteRefused", "NoResponse", "ReadBackDiffers"])("%s is shown with its
   await screen.findByText(`Advice on ${code}`);
   await vi.waitFor(() => expect(it.reads()).toBeGreaterThan(reads));
   expect(button("Write…")).toBeTruthy();
+});
+
+it("a lost connection is said until it is back; then what the unit holds", async () => {
+  const cut = { off: false };
+  const it = sheet({ confirmation: refused(502, "LinkLost"), cut });
+  await ready();
+  await fireEvent.click(button("0.5 more"));
+  await fireEvent.click(button("Write…"));
+  await screen.findByRole("button", { name: "Write 11.0 °" });
+  cut.off = true;
+  await fireEvent.click(button("Write 11.0 °"));
+  await vi.waitFor(() => expect(screen.queryAllByText("Advice on LinkLost").length).toBeGreaterThan(0));
+  it.say({ line: "no-port" });
+  await screen.findByText("A parameter is written to the unit itself.");
+  cut.off = false;
+  it.say({ line: "sampling", unlocked_until: 1e12 });
+  await screen.findByText("The connection was lost during the write, and is back. The unit holds 10.0 ° now.");
+  expect(text()).not.toContain("Advice on LinkLost");
+  await fireEvent.click(button("Write…"));
+  await screen.findByText("10 → 11");
+  expect(text()).not.toContain("The connection was lost");
+});
+
+it("a proposal that the lost connection prevented gives way to the form when it is back", async () => {
+  const it = sheet({ proposed: refused(502, "LinkLost") });
+  await ready();
+  await fireEvent.click(button("0.5 more"));
+  await fireEvent.click(button("Write…"));
+  await screen.findByText("Advice on LinkLost");
+  it.say({ line: "no-port" });
+  await screen.findByText("A parameter is written to the unit itself.");
+  it.say({ line: "sampling" });
+  await vi.waitFor(() => expect(field().value).toBe("10.5"));
+  await vi.waitFor(() => expect(text()).not.toContain("Advice on LinkLost"));
+  expect(text()).not.toContain("during the write");
 });
 
 it("another tab that took control is named, and control can be taken", async () => {

@@ -43,6 +43,7 @@ export const t = dictionary({
   expired: { en: "This confirmation has expired: choose “Do not write”, then write again.", ru: "Время подтверждения истекло: нажмите «Не записывать» и начните снова." },
   writing: { en: "Writing…", ru: "Идёт запись…" },
   done: { en: "Written and read back: {before} → {after}", ru: "Записано и перечитано: {before} → {after}" },
+  line_back: { en: "The connection was lost during the write, and is back. The unit holds {value} now.", ru: "Во время записи связь пропала и восстановилась. Сейчас в блоке {value}." },
   close: { en: "Close", ru: "Закрыть" },
   reading: { en: "Reading…", ru: "Читается…" },
   needs: { en: "A parameter is written to the unit itself.", ru: "Параметр записывается в сам блок." },
