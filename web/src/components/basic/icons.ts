@@ -31,6 +31,7 @@ export const icons = {
   left: "M19 12H5M11 6l-6 6 6 6",
   right: "M5 12h14M13 6l6 6-6 6",
   check: "M5 13l4.5 4.5L19 7",
+  actions: "M13.5 3 5 13.5h6L10 21l9-11h-6Z",
   warning: "M12 4 2.8 19.5h18.4ZM12 10v4.5M12 17v.4",
   danger: "M8 3h8l5 5v8l-5 5H8l-5-5V8ZM12 8v5M12 16v.4",
   unsure: "M12 3.5a8.5 8.5 0 1 0 0 17 8.5 8.5 0 0 0 0-17ZM9.5 9.7a2.5 2.5 0 1 1 3.7 2.2c-.9.5-1.2.9-1.2 1.8M12 16.4v.1",

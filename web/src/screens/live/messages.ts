@@ -2,6 +2,7 @@ import { dictionary } from "../../lib/i18n";
 
 export const t = dictionary({
   actions: { en: "Actions on conditions", ru: "Действия по условиям" },
+  actions_do: { en: "Actions", ru: "Действия" },
   presets: { en: "Presets", ru: "Наборы приборов" },
   times: { en: { one: "{n} time", other: "{n} times" }, ru: { one: "{n} раз", few: "{n} раза", many: "{n} раз", other: "{n} раза" } },
   timesOrMore: { en: "{n} times or more", ru: "{n} раз или больше" },
