@@ -9,7 +9,7 @@ virtual unit: right, open (the survey says so, with its reason), or wrong.
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from math import inf
 from pathlib import Path
@@ -156,8 +156,11 @@ class DrivenTimeline:
         return inf
 
 
-def surveyed(seed: int, folder: Path) -> Surveyed:
-    """Survey the unit of this seed on the simulated clock, and compare."""
+def surveyed(seed: int, folder: Path, trouble: Mapping[str, str] | None = None) -> Surveyed:
+    """Survey the unit of this seed on the simulated clock, and compare.
+
+    `trouble`: settings of the line and the adapter, as `lost=0.02` or `latency_ms=16`.
+    """
     settings = drawn(seed)
     driver = Driver()
     timeline = cast("ScenarioTimeline", driver.timeline)  # that of its scenario
@@ -166,20 +169,22 @@ def surveyed(seed: int, folder: Path) -> Surveyed:
     faults = [int(word) for word in settings.pop("faults", "").split("+") if word]
     identity = Identity(MODELS[settings.pop("model")], ("МИКАС",) * 8)
     car = EngineCar(Engine(scenario, seed), shipped(), faults=faults)
-    link = VirtualLink(wired(Responder(car, identity), settings))
+    line = {"seed": str(seed), **(trouble or {})}
+    link = VirtualLink(wired(Responder(car, identity), settings | line))
     driver.now = link.now
     with open_ecu(link, ConnectionOptions()) as ecu:
         survey = Survey(ecu, folder / f"{seed}.zip", SurveyOptions(memory=True), driver)
         survey.run()
         content = survey.save()
-    rows = tuple(_compared(drawn(seed), content))
+    rows = tuple(_compared(drawn(seed), content, link.granularity))
     return Surveyed(seed, rows, link.now(), sum(survey.seconds.values()))
 
 
-def _compared(settings: dict[str, str], content: SurveyFile) -> Iterator[Compared]:
+def _compared(settings: dict[str, str], content: SurveyFile, late: float) -> Iterator[Compared]:
+    """`late`: the seconds that the adapter hands bytes over late, at most."""
     quirks = EcuQuirks().with_options({k: v for k, v in settings.items() if k in _QUIRKS})
     answers = {answer.id: answer for answer in content.answers}
-    for name, truth, question, found, is_right in _truths(settings, quirks):
+    for name, truth, question, found, is_right in _truths(settings, quirks, late):
         answer = answers[question]
         if answer.verdict is SurveyVerdict.FOUND:
             value = found(answer.value)
@@ -205,7 +210,7 @@ def _itself(value: Any) -> Any:  # noqa: ANN401  (JSON)
 
 
 def _truths(
-    settings: dict[str, str], quirks: EcuQuirks
+    settings: dict[str, str], quirks: EcuQuirks, late: float
 ) -> Iterator[tuple[str, Any, str, Callable[[Any], Any], Callable[[Any, Any], bool]]]:
     """Yield each assumption: its name, the truth, the question, its value, and whether it fits."""
     has = frozenset(COMMANDS_BY_CODE) - quirks.missing - _UNTRIED
@@ -213,9 +218,15 @@ def _truths(
     sizes |= quirks.extra_sizes
     yield "model", f"{MODELS[settings['model']]:02X}", "version", _itself, _equal
     yield "echo", settings["echo"] == "1", "echo", _itself, _equal
-    yield "turn-round", quirks.turn_round, "turn_round", lambda v: v["median"], _near(0.02, 1e-4)
+    yield (
+        "turn-round",
+        quirks.turn_round,
+        "turn_round",
+        lambda v: v["median"],
+        _near(0.02, 1e-4 + late),
+    )
     yield "pause in a response", quirks.inter_byte, "inter_byte", _itself, _near(0.05, 5e-5)
-    yield "least pause", quirks.least_pause, "least_pause", _itself, _near(0, 0.003)
+    yield "least pause", quirks.least_pause, "least_pause", _itself, _near(0, 0.003 + late)
     yield "unknown command", quirks.unknown.value, "unknown", _itself, _equal
     yield "commands", has, "commands", lambda v: _codes(v["supported"]), _equal
     yield "23 with a count", quirks.counted_blocks, "counted_blocks", _itself, _equal

@@ -28,7 +28,25 @@ def test_the_greatest_number_is_found_and_never_passed_by_far(limit, form):
     found = greatest(ask)
     assert found == {"limit": limit, "beyond": None if limit == MOST else form}
     assert max(asked) <= min(MOST, max(2, 2 * limit))
-    assert len(asked) <= 20
+    assert len(asked) <= 24  # eight numbers going up, seven between; what fails is asked twice
+
+
+@given(st.integers(1, MOST), FORMS, st.integers(0, 24), st.sampled_from(["short", "01", "other"]))
+def test_one_response_that_the_line_has_spoiled_changes_no_limit(limit, form, place, spoiled):
+    asked = []
+
+    def ask(count: int) -> CountedResponse:
+        asked.append(count)
+        if len(asked) == place + 1:
+            return CountedResponse(count // 2, spoiled)
+        if count <= limit:
+            return CountedResponse(count, None)
+        return CountedResponse(limit if form == "short" else 0, form)
+
+    beyond = None if limit == MOST else form
+    found = greatest(ask)
+    assert found["limit"] == limit
+    assert found["beyond"] == beyond or place + 1 == len(asked)
 
 
 @given(FORMS)

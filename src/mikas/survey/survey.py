@@ -13,7 +13,7 @@ from typing import Final
 
 from mikas.client import Ecu
 from mikas.commands.unit import version_text
-from mikas.errors import NotConfirmed, usage_error
+from mikas.errors import EchoOnly, NoEcho, NotConfirmed, usage_error
 from mikas.i18n import Text
 from mikas.link import CaptureTee
 from mikas.survey.answers import SurveyAnswer
@@ -139,25 +139,34 @@ class Survey:
         """Do one step; False: the car did not stay in its state, and the others of it are left out.
 
         What was measured while the engine stalled, or the pedal was let go, is of another state:
-        it is forgotten, and measured again once the car is back.
+        it is forgotten, and measured again once the car is back. So is what was measured when the
+        line lost so much that the unit seemed gone.
         """
         unit, measured = self._unit, self._measured
-        for _ in range(_ATTEMPTS):
+        for attempts_left in reversed(range(_ATTEMPTS)):
             if has_left(unit, step.state) and not self._may_begin(step.state, person):
                 return False
             before = {name: deepcopy(measured[name]) for name in measured.keys() - _OF_THE_SURVEY}
             begins()
             began = unit.now()
-            step.measure(unit, measured, person)
-            if step.keeps or not has_left(unit, step.state):
+            try:
+                step.measure(unit, measured, person)
+            except (EchoOnly, NoEcho):
+                if not attempts_left or not unit.is_back():
+                    raise
+                is_whole = False
+            else:
+                is_whole = step.keeps or not has_left(unit, step.state)
+            if is_whole:
                 self._seconds[step.name] = round(unit.now() - began, 2)
                 self._done.append(step.name)
                 unit.use_what_is_known(measured)
                 self._keep()
                 return True
-            for name in measured.keys() - _OF_THE_SURVEY:
-                del measured[name]
-            measured.update(before)
+            if not step.keeps:
+                for name in measured.keys() - _OF_THE_SURVEY:
+                    del measured[name]
+                measured.update(before)
         if step.state is CarState.STANDING:
             raise NotConfirmed(change=_SURVEY, how=_BEGINS.filled(why=_NOT_KEPT))
         self._skip(step.state, _NOT_KEPT, person)

@@ -15,6 +15,7 @@ from mikas import errors
 from mikas.catalog import Catalog
 from mikas.client import Ecu
 from mikas.client.parameters.parameters import Parameters
+from mikas.commands import Availability
 from mikas.commands.base import Command, MalformedRequest, SizeOf
 from mikas.i18n import Text
 from mikas.survey.recording import SurveyCapture
@@ -32,6 +33,7 @@ _DAMAGED = 3  # exchanges in a row, after which a line is too bad
 _ROOM = 32  # codes in a request of the survey itself, at most
 _SPARE, _ROUNDED = 1.1, 0.005  # of the least pause: a factor, and s
 _HASTE = 0.12  # s to a response at least, where silence is usual
+_LOOKS, _PATIENCE = 3, 1.0  # for a unit that seems gone: how often, and s before each
 
 
 class AnyRequest(Command[bytes]):
@@ -87,14 +89,16 @@ class SurveyedUnit:
         """Return the link's clock."""
         return self.tester.link.now()
 
-    def ask(self, body: bytes, *, times: int = 2) -> Reply | None:
+    def ask(self, body: bytes, *, times: int = 2, damages: int = _DAMAGED) -> Reply | None:
         """Return the response to `body`; None after silence to each of `times` requests.
 
-        Raises a `LineError` if the line damages every response, or a `NoConnection`.
+        Raises a `LineError` if the line damages `damages` responses, or a `NoConnection`.
         """
-        return self.send(AnyRequest(body), times=times)
+        return self.send(AnyRequest(body), times=times, damages=damages)
 
-    def send(self, command: Command[bytes], *, times: int = 2) -> Reply | None:
+    def send(
+        self, command: Command[bytes], *, times: int = 2, damages: int = _DAMAGED
+    ) -> Reply | None:
         """As `ask`, for a command."""
         damaged = 0
         while times:
@@ -106,7 +110,7 @@ class SurveyedUnit:
                 raise
             except errors.LineError:
                 damaged += 1
-                if damaged == _DAMAGED:
+                if damaged == damages:
                     raise
         return None
 
@@ -170,6 +174,20 @@ class SurveyedUnit:
             yield
         finally:
             line.timing, self.tester.retries = usual, retries
+
+    def is_back(self) -> bool:
+        """Return whether the unit, which seemed gone, still answers: the line had lost something.
+
+        Raises a `NoConnection` if the adapter is gone.
+        """
+        for _ in range(_LOOKS):
+            self.pause(_PATIENCE)
+            try:
+                self.tester.exchange(Availability())
+            except (errors.EchoOnly, errors.NoEcho, errors.LineError):
+                continue
+            return True
+        return False
 
     def pause(self, seconds: float) -> None:
         """Let time pass."""

@@ -16,6 +16,7 @@ from mikas.survey.steps.step import CarState, Measured
 _STRAYS = 10  # one in so many is left out of the spread
 _LATE = 0.002  # s; a link that hands bytes over later hides a shorter pause
 _FEW = 2e-5  # s between bytes that no unit means: the rounding of times
+_CLOSE, _SHARE = 1e-4, 0.1  # s, or of a pause between bytes: how close it must be known
 
 
 def version(measured: Measured) -> Conclusion:
@@ -46,16 +47,16 @@ def _turn_round(measured: Measured, name: str, state: CarState) -> Conclusion:
         return unmeasured(measured, state)
     usual, spread = middle_of(measured[name])
     en, ru = milliseconds(usual)
-    en_spread, ru_spread = milliseconds(spread)
+    en_spread, ru_spread = milliseconds(max(spread, measured["granularity"]))
     value = {"median": usual, "spread": spread, "granularity": measured["granularity"]}
     texts = f"{en} ± {en_spread}", f"{ru} ± {ru_spread}"
     if spread + usual > 2 * measured["granularity"] or measured["granularity"] <= _LATE:
         return found(value, *texts)
     en, ru = milliseconds(measured["granularity"])
     return is_open(
-        f"{texts[0]} at most: this adapter hands bytes over only every {en}; a cable with a "
+        f"{texts[0]}, no closer: this adapter hands bytes over only every {en}; a cable with a "
         "settable latency timer (FT232R, 1 ms) shows it",
-        f"не больше {texts[1]}: адаптер отдаёт байты раз в {ru}; точнее покажет кабель, у которого "
+        f"{texts[1]}: адаптер отдаёт байты раз в {ru}; точнее покажет кабель, у которого "
         "задаётся таймер задержки (FT232R, 1 мс)",
         value,
     )
@@ -75,10 +76,14 @@ def inter_byte(measured: Measured) -> Conclusion:
         return unmeasured(measured, CarState.STANDING)
     usual = median(figures["pauses"])
     doubt = measured["granularity"] / max(1, figures["bytes"] - 1)
+    en, ru = milliseconds(max(usual, doubt, _FEW))
+    if doubt > max(_CLOSE, usual * _SHARE):
+        return is_open(
+            f"{en} at most: this adapter hands bytes over together, and the responses are short",
+            f"не больше {ru}: адаптер отдаёт байты пачками, а ответы коротки",
+        )
     if usual <= max(_FEW, doubt):
-        en, ru = milliseconds(max(_FEW, doubt))
         return found(0.0, f"none longer than {en}", f"нет длиннее {ru}")
-    en, ru = milliseconds(usual)
     return found(round(usual, 6), f"{en} between two bytes", f"{ru} между байтами")
 
 
@@ -108,6 +113,14 @@ def least_pause(measured: Measured) -> Conclusion:
         )
     en, ru = milliseconds(pause)
     low_en, low_ru = milliseconds(max(unanswered))
+    if late > _LATE:  # so much earlier than here the unit's response may have ended
+        at_most = round(pause + late, 6)
+        en, ru = milliseconds(at_most)
+        return found(
+            at_most,
+            f"{low_en} to {en}, no closer by this adapter, which hands bytes over late",
+            f"от {low_ru} до {ru}; точнее с этим адаптером не узнать: он отдаёт байты с опозданием",
+        )
     return found(
         pause,
         f"{en}: after {low_en} a request is not answered",

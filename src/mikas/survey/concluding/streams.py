@@ -53,6 +53,12 @@ def stream_gap(measured: Measured) -> Conclusion:
         return _no_stream(measured)
     gap = _pause_after(measured, run)
     en, russian = milliseconds(gap)
+    if "inter_byte" in measured and (within := inter_byte(measured)).value is None:
+        return is_open(
+            f"{en} at most between responses; pauses inside a response are not known: "
+            f"{within.text.en}",
+            f"не больше {russian} между ответами; паузы внутри ответа неизвестны: {within.text.ru}",
+        )
     number = run["responses"]
     return found(
         gap,

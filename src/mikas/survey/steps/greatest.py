@@ -1,7 +1,8 @@
 """The greatest number that a unit takes: of codes in a list (D11), of bytes in a block.
 
 Numbers go up by doubling, never straight to the largest: a unit without a check of its own has then
-been asked for little more than it takes. What failed is asked for again before it counts.
+been asked for little more than it takes. What failed is asked for again before it counts: a foreign
+frame, or a byte that the line has lost, must not pass for the unit's limit.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from mikas.tester import Reply
 
 MOST: Final = 255
 _FIRST: Final = (2, 4, 8, 16, 32, 64, 128, MOST)
+_AGAIN: Final = 3  # more requests for one number, at most, until two fail alike
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +56,7 @@ def greatest(
     while bad - good > 1:
         following = next((number for number in _FIRST if number > good), MOST)
         number = following if bad > MOST else (good + bad) // 2
-        response = ask(number)
+        response = _asked(ask, number)
         tried += 1
         progress(tried)
         if response.form is None:
@@ -64,6 +66,21 @@ def greatest(
         if response.form == "short" and response.count > good and _comes(ask, response.count):
             good, bad = response.count, response.count + 1
     return {"limit": good or None, "beyond": beyond}
+
+
+def _asked(ask: Callable[[int], CountedResponse], number: int) -> CountedResponse:
+    """Return the response; one that fails counts if the next one fails alike.
+
+    Silence counts at once: who asks has waited for two requests (`SurveyedUnit.ask`).
+    """
+    response = ask(number)
+    for _ in range(_AGAIN):
+        if response.form in (None, "silent"):
+            break
+        before, response = response, ask(number)
+        if response.form == before.form:
+            break
+    return response
 
 
 def _comes(ask: Callable[[int], CountedResponse], number: int) -> bool:

@@ -20,7 +20,8 @@ _AT_STROKES = 4.0  # s; 28 cycles at 850 rpm
 _AT_STROKES_RAISED = 2.0
 _BYTES, _REQUESTS = 4, 6  # attempts: the wire is busy, so one byte may collide with a response
 _BREAK = 0.05  # s
-_FINE = 0.002  # s; links that hand bytes over sooner show each pause
+_ENDED = 1.0  # s without a byte, after which a stream has ended: a late response is no end
+_USUAL = 0.8  # of the responses of a stream that is regular
 
 
 def end_of_stream(unit: SurveyedUnit, measured: Measured, person: Prompter) -> None:
@@ -90,7 +91,7 @@ def _is_quiet(unit: SurveyedUnit, period: float) -> bool:
         line.wait_for_quiet(seconds, patience=2 * seconds)
     except errors.LineNotQuiet:
         return False
-    return True
+    return not line.read(unit.now() + _ENDED).data
 
 
 def cyclic(unit: SurveyedUnit, measured: Measured, person: Prompter, state: str) -> None:
@@ -134,9 +135,11 @@ def _stroke(
     if not items and len(codes) > 1:  # a unit may take one code only
         codes = codes[:1]
         items = _items(unit, c.StreamAtStroke(_data(unit, codes), stroke), seconds)
-    lasted = items[-1].time - items[0].time if len(items) > 2 else 0.0
-    rate = (len(items) - 1) / lasted if lasted else None
-    found[f"{code:02X}"] = {"rate": rate and round(rate, 4), "rpm": _rpm(codes, items)}
+    rate = None
+    if len(items) > 2:
+        periods = _periods(items)
+        rate = round(1 / _mean(unit, periods, periods), 4)
+    found[f"{code:02X}"] = {"rate": rate, "rpm": _rpm(codes, items)}
 
 
 def _items(
@@ -164,17 +167,32 @@ def _items(
 
 
 def _gap(unit: SurveyedUnit, items: Sequence[StreamItem]) -> float:
-    """Return the pause between the responses, their own bytes left out.
+    """Return the mean pause between the responses, their own bytes left out.
 
-    Through a link that hands bytes over together only the mean of many is known.
+    A mean, for a link that hands bytes over together shows no single pause.
     """
     byte_time = unit.tester.link.byte_time
+    periods = _periods(items)
     gaps = [
-        following.time - item.time - len(encode(item.body)) * byte_time
-        for item, following in pairwise(items)
+        period - len(encode(item.body)) * byte_time
+        for item, period in zip(items, periods, strict=False)
     ]
-    usual = median(gaps) if unit.tester.link.granularity <= _FINE else fmean(gaps)
-    return round(max(0.0, usual), 7)
+    return round(max(0.0, _mean(unit, gaps, periods)), 7)
+
+
+def _periods(items: Sequence[StreamItem]) -> list[float]:
+    return [following.time - item.time for item, following in pairwise(items)]
+
+
+def _mean(unit: SurveyedUnit, times: Sequence[float], periods: Sequence[float]) -> float:
+    """Return the mean of `times` of a stream with these `periods`.
+
+    Those beside a response that the line has lost or doubled are left out, as far as they are
+    few: many are the unit's own.
+    """
+    usual, apart = median(times), median(periods) / 4 + unit.tester.link.granularity
+    near = [time for time in times if abs(time - usual) <= apart]
+    return fmean(near if len(near) >= _USUAL * len(times) else times)
 
 
 def _rpm(codes: Sequence[int], items: Sequence[StreamItem]) -> float | None:

@@ -6,6 +6,7 @@ from math import ceil
 from statistics import median
 
 from mikas import commands as c
+from mikas import errors
 from mikas.survey.person import Prompter
 from mikas.survey.steps.step import Measured
 from mikas.survey.unit import SurveyedUnit
@@ -16,6 +17,8 @@ _RESPONSES = 8
 _PAUSES = (0.0, 0.025, 0.05, 0.1, 0.15, 0.25, 0.5, 1.0)  # s
 _FINE = 0.002  # s
 _TIMES = 3  # requests that a pause must let through
+_TRIALS = 5  # of one pause, on a line that damages responses
+_SEARCH = 40  # trials between two pauses, at most
 
 
 def turn_round(unit: SurveyedUnit, measured: Measured, person: Prompter) -> None:
@@ -65,15 +68,19 @@ def least_pause(unit: SurveyedUnit, measured: Measured, person: Prompter) -> Non
             pause = seconds
             break
         refused.append(seconds)
-    if pause is not None and refused:
-        low = refused[-1]
-        while pause - low > _FINE:
-            middle = (low + pause) / 2
+    for _ in range(_SEARCH):
+        if pause is None or not refused:
+            break
+        if pause - refused[-1] > _FINE:
+            middle = (refused[-1] + pause) / 2
             if _answered_after(unit, middle):
                 pause = middle
             else:
-                low = middle
                 refused.append(middle)
+        elif _answered_after(unit, refused[-1]):
+            pause = refused.pop()  # the line had lost that request, not the unit
+        else:
+            break
     measured["least_pause"] = {
         "pause": None if pause is None else round(pause, 6),
         "unanswered": [round(seconds, 6) for seconds in refused],
@@ -81,17 +88,32 @@ def least_pause(unit: SurveyedUnit, measured: Measured, person: Prompter) -> Non
 
 
 def _answered_after(unit: SurveyedUnit, seconds: float) -> bool:
-    """Whether `01` is answered each time when it follows a response after `seconds`."""
+    """Whether `01` is answered each time when it follows a response after `seconds`.
+
+    A trial in which the line has damaged a response is none: what follows that one comes sooner.
+    """
+    for _ in range(_TRIALS):
+        try:
+            with unit.without_pause():
+                return _is_answered(unit, seconds)
+        except (errors.SyncLost, errors.LineNotQuiet):
+            raise
+        except errors.LineError:
+            continue
+    return False
+
+
+def _is_answered(unit: SurveyedUnit, seconds: float) -> bool:
     request = c.Availability().body()
-    with unit.without_pause():
-        unit.pause(_PAUSES[-1])  # the response of a resynchronization may be the latest
-        reply = unit.ask(request, times=1)
-        for _ in range(_TIMES):
-            if reply is None:
-                return False
-            if seconds:
-                unit.pause(seconds - (unit.now() - reply.ended))
-            reply = unit.ask(request, times=1)
+    unit.tester.sync.resynchronize(unit.ecu.version_code)
+    unit.pause(_PAUSES[-1])  # the response of a resynchronization may be the latest
+    reply = unit.ask(request, times=1, damages=1)
+    for _ in range(_TIMES):
+        if reply is None:
+            return False
+        if seconds:
+            unit.pause(seconds - (unit.now() - reply.ended))
+        reply = unit.ask(request, times=1, damages=1)
     return reply is not None
 
 
