@@ -56,7 +56,7 @@ def test_the_rules_are_of_questions_that_a_survey_has():
         ("strokes", {"7F": 0.5, "80": 1.0}, ("D15",), DIFFERS),
         ("count", 21, ("60",), SHOWS),
         ("faults", [13], ("02",), AGREES),
-        ("freq", {}, ("E1", "FREQ"), AGREES),
+        ("freq", {"tachometer": None, "raw": 5, "by_hand": None}, ("E1", "FREQ"), AGREES),
         ("uacc_sign", {}, ("E2", "UACC"), AGREES),
         ("uacc_scale", {"formula": "b/10"}, ("E2", "UACC"), AGREES),
         ("uacc_scale", {"formula": "5.2+b/20"}, ("E2", "UACC"), DIFFERS),
@@ -174,4 +174,12 @@ def test_a_voltmeter_confirms_uacc_or_changes_its_formula():
     assert uacc.decode(bytes([136]), "literal") == -12.0
     assert uacc.confidence == "reported"
     assert changed.errata["E2"].default.ru.startswith("b/20 + 5,2")
-    assert after("freq", {}).parameter("FREQ").confidence == "confirmed"
+
+
+@pytest.mark.parametrize(
+    ("tachometer", "by_hand", "confidence"),
+    [(850.0, None, "confirmed"), (None, 210, "confirmed"), (None, None, "reported")],
+)
+def test_the_starter_alone_confirms_no_factor_of_freq(tachometer, by_hand, confidence):
+    value = {"unit": "min-1", "tachometer": tachometer, "raw": 21, "by_hand": by_hand}
+    assert after("freq", value).parameter("FREQ").confidence == confidence

@@ -16,7 +16,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mikas.amendments import patch, propose
-from mikas.amendments.proposing import _is_virtual
+from mikas.amendments.proposing import _ports
 from mikas.catalog import shipped
 from mikas.catalog.evidence import Agreement
 from mikas.errors import UsageError
@@ -225,4 +225,30 @@ def test_a_virtual_unit_on_a_pty_is_no_evidence_either(tmp_path, url, kind):
     data = (tmp_path / "capture-1.pcapng").read_bytes()
     assert kind.encode() in data
     assert b"pts" not in data
-    assert _is_virtual(data) is (kind != "serial")
+    assert _ports(data) == {kind}
+
+
+def test_a_survey_that_went_on_at_a_virtual_unit_is_of_one(survey, tmp_path):
+    capture = SurveyCapture(tmp_path, url="/dev/ttyUSB0", baud=9600, began=0.0, before=0.0)
+    capture.record(Direction.SENT, b"\x01\xff\x0d", 1.0)
+    capture.close()
+    real = (tmp_path / "capture-1.pcapng").read_bytes()
+    with zipfile.ZipFile(survey) as old:
+        virtual = old.read("capture.pcapng")
+    for data, is_virtual in ((real, False), (real + virtual, True)):
+        out = with_capture(survey, tmp_path / "unit.zip", data)
+        assert propose(out, shipped()).is_virtual is is_virtual
+
+
+@pytest.mark.parametrize("data", [b"", bytes(1000)])
+def test_figures_without_the_bytes_behind_them_are_no_evidence(survey, tmp_path, data):
+    with pytest.raises(UsageError, match="no byte of the line"):
+        propose(with_capture(survey, tmp_path / "bare.zip", data), shipped())
+
+
+def with_capture(zipped, out, data):
+    """Writes the survey with another capture."""
+    with zipfile.ZipFile(zipped) as old, zipfile.ZipFile(out, "w") as new:
+        for name in old.namelist():
+            new.writestr(name, data if name == "capture.pcapng" else old.read(name))
+    return out

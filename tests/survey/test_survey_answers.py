@@ -127,6 +127,18 @@ def test_what_is_not_certain_stays_open(tmp_path):
     assert "less than 16 ms, which this adapter itself leaves" in slow["least_pause"].text.en
 
 
+@pytest.mark.parametrize("raw", ["00", "80", "FF"])
+def test_dead_bytes_of_an_ignition_unit_decide_nothing(tmp_path, raw):
+    url = url_of(drive(tmp_path), ignition_only=1, model="5.4")
+    measured = surveyed(url, tmp_path / "unit.zip", Beside()).measured
+    measured["factors"] = {code: [raw] * 3 for code in ("42", "41", "39")}
+    answers = {answer.id: answer for answer in conclude(measured)}
+    for name in ("fuel_factors", "valf"):
+        assert answers[name].verdict is OPEN
+        assert answers[name].value is None
+        assert "the ignition alone" in answers[name].text.en
+
+
 def test_a_starter_timed_by_hand_that_freq_does_not_show_leaves_its_unit_open(tmp_path):
     person = Beside({"voltmeter": 12.6, "starter": 20.0})
     answer = by_name(surveyed(url_of(drive(tmp_path)), tmp_path / "unit.zip", person))["freq"]

@@ -46,16 +46,24 @@ _TAKEN: Final = {
 """The formula of each once it is changed, and by the letter."""
 
 
-def _confirmed(*of: str, parameter: str) -> Judge:
-    """Return the rule that a unit and instruments agree with the source: two sources."""
+def _confirmed(*of: str, parameter: str) -> Judgement:
+    """Return that a unit and a person's instrument agree with the source: two sources."""
     change = CatalogChange("parameters.toml", "parameter", parameter, {"confidence": "confirmed"})
-    return lambda *_: [Judgement(of, AGREES, changes=(change,))]
+    return Judgement(of, AGREES, changes=(change,))
 
 
-def _uacc(value: Mapping[str, Any], catalog: Catalog) -> Iterator[Judgement]:
+def _freq(value: Mapping[str, Any], _: Catalog) -> Iterator[Judgement]:
+    """The starter alone shows the unit of time; the factor 40 takes an instrument, or a count."""
+    of = ("E1", "FREQ")
+    by_dial = value["tachometer"] is not None and value["raw"] is not None
+    by_instrument = by_dial or value["by_hand"] is not None
+    yield _confirmed(*of, parameter="FREQ") if by_instrument else Judgement(of, AGREES)
+
+
+def _uacc(value: Mapping[str, Any], _: Catalog) -> Iterator[Judgement]:
     of = ("E2", "UACC")
     if value["formula"] == "b/10":
-        yield from _confirmed(*of, parameter="UACC")(value, catalog)
+        yield _confirmed(*of, parameter="UACC")
         return
     letter = {"signed": True, "scale": "1/10", "offset": 0}
     keys = {"scale": "1/20", "offset": 5.2, "literal": letter}
@@ -152,7 +160,7 @@ EVEN_OPEN: Final = frozenset({"codes", "fuel_factors"})
 """Questions whose value says something even where the answer as a whole stays open."""
 JUDGES: Final[Mapping[str, Judge]] = {
     "codes": _codes,
-    "freq": _confirmed("E1", "FREQ", parameter="FREQ"),
+    "freq": _freq,
     "uacc_sign": agrees("E2", "UACC"),
     "uacc_scale": _uacc,
     "fuel_factors": _factors,

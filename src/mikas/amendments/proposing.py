@@ -14,7 +14,7 @@ from mikas.amendments.amendment import Amendment
 from mikas.amendments.parameters import EVEN_OPEN
 from mikas.catalog import Catalog
 from mikas.commands.unit import version_text
-from mikas.errors import usage_error
+from mikas.errors import UsageError, usage_error
 from mikas.i18n import joined
 from mikas.recording.capture.reader import Blocks, Packet
 from mikas.recording.capture.scan import scan
@@ -25,7 +25,7 @@ __all__ = ["Proposal", "propose"]
 
 _JUDGES: Final = {**clauses.JUDGES, **parameters.JUDGES}
 _NO_UNITS: Final = ("sim", "replay", "pty")
-"""What the port of no real unit is called in a survey's capture."""
+"""What the port of no real unit is called in a survey's capture: one byte from there is enough."""
 _UNFIT: Final = (ValueError, TypeError, LookupError, AttributeError, ArithmeticError)
 """What the figures of a file raise that no survey has made."""
 
@@ -55,9 +55,18 @@ def propose(path: Path, catalog: Catalog) -> Proposal:
     file = read_survey(path)
     try:
         answers = conclude(file.measured)
-        virtual = _is_virtual(file.capture)
+        if not (ports := _ports(file.capture)):
+            raise usage_error(
+                f"{path}: its capture has no byte of the line: without them its figures are "
+                "evidence of nothing. Survey the unit again",
+                f"{path}: в нём нет записи линии: без неё измеренные числа ничего не доказывают. "
+                "Обследуйте блок ещё раз",
+            )
+        virtual = not ports.isdisjoint(_NO_UNITS)
         unit = _mark(file, path, is_virtual=virtual)
         found = {answer.id: tuple(_amended(answer, catalog)) for answer in answers}
+    except UsageError:
+        raise
     except _UNFIT as error:
         raise usage_error(
             f"{path}: its figures are none that a survey measures",
@@ -80,14 +89,15 @@ def _mark(file: SurveyFile, path: Path, *, is_virtual: bool) -> str:
     return f"{virtual}{code or '??'}, survey {sha256(figures).hexdigest()[:8]}"
 
 
-def _is_virtual(capture: bytes) -> bool:
-    """Whether the bytes came from a virtual unit, or from a recording that is played."""
+def _ports(capture: bytes) -> set[str]:
+    """Return what the ports are called that the bytes came from: a survey may go on at another."""
     blocks = Blocks()
-    for item in scan(BytesIO(capture)):
-        for each in blocks.read(item):
-            if isinstance(each, Packet):
-                return each.source.url.partition(":")[0] in _NO_UNITS
-    return False
+    return {
+        each.source.url.partition(":")[0]
+        for item in scan(BytesIO(capture))
+        for each in blocks.read(item)
+        if isinstance(each, Packet)
+    }
 
 
 def _amended(answer: SurveyAnswer, catalog: Catalog) -> list[Amendment]:

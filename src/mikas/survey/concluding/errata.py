@@ -23,6 +23,7 @@ _DIAL = 0.15  # of the tachometer's figure: what a dial and a needle are worth
 _VOLTS = 0.35  # V between a voltmeter at the battery and the unit's own measurement
 _NEUTRAL = range(108, 149)  # raw bytes near 128: a factor that corrects little
 _STEP = 40  # rpm (E1)
+_WITNESSES = ("3F", "21")  # INJ, JAIR: both zero at idle, the unit controls the ignition alone
 _TWELVE_VOLTS = 0x80  # from here on a signed byte is negative (E2)
 
 
@@ -138,6 +139,8 @@ def fuel_factors(measured: Measured) -> Conclusion:
             "the unit has neither RCOK (42) nor RCOD (41)",
             "у блока нет ни RCOK (42), ни RCOD (41)",
         )
+    if _controls_ignition_alone(measured):
+        return _DEAD
     value, en, russian = {}, [], []
     for code, raw in known.items():
         letter, other = (raw - 128) / 256 - 0.5, (raw - 128) / 256
@@ -179,6 +182,8 @@ def valf(measured: Measured) -> Conclusion:
     raw = _middle(factors.get("39", ()))
     if raw is None:
         return is_open("the unit has no VALF (39)", "у блока нет VALF (39)")
+    if _controls_ignition_alone(measured):
+        return _DEAD
     value = 0.5 + raw / 256
     texts = (
         f"raw {raw:02X}, {value:.3f} by §4",
@@ -195,6 +200,22 @@ def valf(measured: Measured) -> Conclusion:
         f"{texts[1]}: не похоже на λ прогретого холостого хода; решит λ-метр",
         {"raw": raw, "value": round(value, 3)},
     )
+
+
+def _controls_ignition_alone(measured: Measured) -> bool:
+    """Whether injection and air flow are zero at idle: bytes of the mixture mean nothing then."""
+    samples = measured.get("samples", {})
+    states = [samples.get(state.value, {}) for state in (CarState.IDLE, CarState.WARM)]
+    raws = [raw for each in states for code in _WITNESSES for raw in each.get(code, ())]
+    return bool(raws) and not any(int(raw, 16) for raw in raws)
+
+
+_DEAD = is_open(
+    "injection and air flow are zero while the engine runs: the unit controls the ignition alone, "
+    "and its bytes of the mixture mean nothing",
+    "впрыск и расход воздуха на работающем двигателе нулевые: блок управляет только зажиганием, "
+    "его байты смеси ничего не значат",
+)
 
 
 def _middle(raws: Sequence[str]) -> int | None:
