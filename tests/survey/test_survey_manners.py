@@ -162,6 +162,23 @@ def test_another_unit_does_not_go_on_with_a_survey(tmp_path):
         surveyed(url_of(file, model="5.4"), tmp_path / "unit.zip", engine=False)
 
 
+@pytest.mark.parametrize("port", ["serial", "sim"])
+def test_a_real_unit_does_not_go_on_with_a_virtual_ones_survey(tmp_path, port):
+    url, out = url_of(drive(tmp_path, **STANDING)), tmp_path / "unit.zip"
+    with pytest.raises(KeyboardInterrupt):
+        surveyed(url, out, Beside(stop=interrupt), engine=False)
+    state = tmp_path / "unit.zip.part" / "state.json"
+    kept = json.loads(state.read_text())
+    assert kept["measured"]["port"] == "sim"
+    kept["measured"]["port"] = port
+    state.write_text(json.dumps(kept))
+    if port == "sim":
+        surveyed(url, out, engine=False)
+        return
+    with pytest.raises(UsageError, match="a virtual unit and a real one"):
+        surveyed(url, out, engine=False)
+
+
 def interrupt() -> None:
     raise KeyboardInterrupt
 

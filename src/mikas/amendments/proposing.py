@@ -19,13 +19,12 @@ from mikas.i18n import joined
 from mikas.recording.capture.reader import Blocks, Packet
 from mikas.recording.capture.scan import scan
 from mikas.survey import SurveyAnswer, SurveyFile, SurveyVerdict, conclude, read_survey
+from mikas.survey.recording import NO_UNITS
 from mikas.virtual.unit_profile import UnitProfile
 
 __all__ = ["Proposal", "propose"]
 
 _JUDGES: Final = {**clauses.JUDGES, **parameters.JUDGES}
-_NO_UNITS: Final = ("sim", "replay", "pty")
-"""What the port of no real unit is called in a survey's capture: one byte from there is enough."""
 _UNFIT: Final = (ValueError, TypeError, LookupError, AttributeError, ArithmeticError)
 """What the figures of a file raise that no survey has made."""
 
@@ -62,7 +61,7 @@ def propose(path: Path, catalog: Catalog) -> Proposal:
                 f"{path}: в нём нет записи линии: без неё измеренные числа ничего не доказывают. "
                 "Обследуйте блок ещё раз",
             )
-        virtual = not ports.isdisjoint(_NO_UNITS)
+        virtual = not ports.isdisjoint(NO_UNITS)  # one byte from there is enough
         unit = _mark(file, path, is_virtual=virtual)
         found = {answer.id: tuple(_amended(answer, catalog)) for answer in answers}
     except UsageError:

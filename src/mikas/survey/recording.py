@@ -15,6 +15,8 @@ from mikas.recording import CaptureWriter
 
 _NAME: Final = "capture-{number}.pcapng"
 _NUMBERED: Final = re.compile(r"capture-([0-9]{1,9})\.pcapng")
+NO_UNITS: Final = frozenset(("sim", "replay", "pty"))
+"""What `port_kind` calls the port of no real unit."""
 _PTY: Final = re.compile(r"/dev/(pts/|ttys)[0-9]+")  # of Linux; of macOS
 
 
@@ -30,7 +32,7 @@ class SurveyCapture:
         self.paused: bool = False
         self._began = began - before
         self._writer = CaptureWriter(
-            folder / _NAME.format(number=number), url=_kind(url), baud=baud
+            folder / _NAME.format(number=number), url=port_kind(url), baud=baud
         )
 
     def record(self, direction: Direction, data: bytes, time: float) -> None:
@@ -57,7 +59,7 @@ def joined_captures(folder: Path) -> bytes:
     return b"".join(file.read_bytes() for _, file in sorted(_runs(folder).items()))
 
 
-def _kind(url: str) -> str:
+def port_kind(url: str) -> str:
     """Return what the port is, without its address; `pty`: `mikas sim`, not an adapter."""
     port = parse(url)
     if port.scheme == "serial" and _PTY.fullmatch(os.path.realpath(port.address)):

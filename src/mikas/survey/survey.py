@@ -23,7 +23,7 @@ from mikas.survey.folder import SurveyFolder
 from mikas.survey.person import Prompter
 from mikas.survey.profile import profile
 from mikas.survey.readme import readme
-from mikas.survey.recording import SurveyCapture, joined_captures
+from mikas.survey.recording import NO_UNITS, SurveyCapture, joined_captures, port_kind
 from mikas.survey.states import bring, has_left
 from mikas.survey.steps.codes import known_sizes
 from mikas.survey.steps.step import CarState, Measured, SurveyStep
@@ -83,7 +83,7 @@ class Survey:
             self._seconds: dict[str, float] = self._measured["seconds"]
             self._unit.sizes = known_sizes(self._measured)
             self._unit.use_what_is_known(self._measured)
-            known = self._measured["version_code"]
+            known, port = self._measured["version_code"], self._measured["port"]
         except _DAMAGED as error:
             raise self.folder.damaged() from error
         if known != code:
@@ -92,6 +92,13 @@ class Survey:
                 "there, remove it, or name another file",
                 f"{self.folder.path}: это другой блок ({known}, а здесь {code}): закончите с тем, "
                 "удалите папку или назовите другой файл",
+            )
+        if (port in NO_UNITS) is not (port_kind(ecu.tester.link.url) in NO_UNITS):
+            raise usage_error(
+                f"{self.folder.path}: a virtual unit and a real one make no survey together: "
+                "remove the folder, or name another file",
+                f"{self.folder.path}: виртуальный блок и настоящий нельзя смешать в одном "
+                "обследовании: удалите папку или назовите другой файл",
             )
 
     def run(self, on_step: Callable[[SurveyStep, int, int], None] = lambda *_: None) -> None:
@@ -283,6 +290,7 @@ def _begun(ecu: Ecu, options: SurveyOptions) -> Measured:
     return {
         "version_code": version_text(ecu.version_code),
         "echo": tester.line.echo,
+        "port": port_kind(tester.link.url),
         "chip": tester.link.chip,
         "granularity": tester.link.granularity,
         "baud": tester.link.baud,

@@ -110,9 +110,12 @@ class Surveys:
         ensure_folder(settings.surveys)
         self.error = None
         self._last_virtual = port.startswith("sim:")
+        out = self._out()
+        if SurveyFolder(out).path.exists():  # what was given to the run before is asked for again
+            figures = {name: figure for name, figure in figures.items() if figure is not None}
         self.latest = run = SurveyRun(
             port,
-            self._out(),
+            out,
             options,
             figures,
             open_port=settings.open_port,

@@ -1787,7 +1787,7 @@ export interface components {
              */
             engine: boolean;
             port?: string | null;
-            /** @description V at the battery, ignition on, engine off; null: none */
+            /** @description V at the battery, ignition on, engine off; null: none, or ask going on */
             voltmeter?: number | null;
         };
         /** @description All that the ZIP would hold now. */

@@ -54,7 +54,10 @@ class SurveyRequest(SurveyConsents):
 
     port: str | None = Field(None, max_length=500)
     voltmeter: float | None = Field(
-        None, ge=6, le=18, description="V at the battery, ignition on, engine off; null: none"
+        None,
+        ge=6,
+        le=18,
+        description="V at the battery, ignition on, engine off; null: none, or ask going on",
     )
 
 
