@@ -39,7 +39,7 @@ def test_a_survey_without_the_engine_in_russian(mikas):
 
 
 def test_it_asks_for_consents_figures_and_whether_to_save(mikas):
-    mikas.answers("y\n", "д\n", "twelve\n", "99\n", "12,5\n", "y\n")
+    mikas.answers("y\n", "д\n", "twelve\n", "99\n", "12,5 V\n", "y\n")
     ran = survey(mikas, "--without-engine")
     assert ran.status == 0, ran
     assert ran.err.index("May memory be read") < ran.err.index("May the texts")

@@ -72,8 +72,9 @@ class TerminalPrompter:
             return self.figures.get(name)
         none = tr("(Enter: there is none)", "(Enter — прибора нет)")
         while answer := self._answer(f"{localized(text)} {none} "):
+            typed = answer.removesuffix(unit.en).removesuffix(unit.ru).strip()  # 12,4 В
             try:
-                figure = float(answer.replace(",", "."))
+                figure = float(typed.replace(",", "."))
             except ValueError:
                 figure = -1.0
             if low <= figure <= high:

@@ -83,7 +83,8 @@ class Survey:
             self._seconds: dict[str, float] = self._measured["seconds"]
             self._unit.sizes = known_sizes(self._measured)
             self._unit.use_what_is_known(self._measured)
-            known, port = self._measured["version_code"], self._measured["port"]
+            known, here = self._measured["version_code"], port_kind(ecu.tester.link.url)
+            port = self._measured.setdefault("port", here)  # of an earlier version: not known
         except _DAMAGED as error:
             raise self.folder.damaged() from error
         if known != code:
@@ -93,7 +94,7 @@ class Survey:
                 f"{self.folder.path}: это другой блок ({known}, а здесь {code}): закончите с тем, "
                 "удалите папку или назовите другой файл",
             )
-        if (port in NO_UNITS) is not (port_kind(ecu.tester.link.url) in NO_UNITS):
+        if (port in NO_UNITS) is not (here in NO_UNITS):
             raise usage_error(
                 f"{self.folder.path}: a virtual unit and a real one make no survey together: "
                 "remove the folder, or name another file",
