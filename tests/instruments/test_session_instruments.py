@@ -11,17 +11,20 @@ import pytest
 import mikas
 from mikas.catalog import shipped
 from mikas.errors import LinkLost, NoPortGiven, UsageError
+from mikas.i18n import Text
 from mikas.instruments import InstrumentValues, decoder_of, definition_named
 from mikas.instruments.choosing import ChosenInstrument, chosen_instruments
-from mikas.instruments.reading import InstrumentState
+from mikas.instruments.reading import InstrumentReader, InstrumentState
 from mikas.instruments.session_instruments import SessionInstruments
 from mikas.instruments.virtual_source import VirtualSource
-from mikas.link.base import Chunk
+from mikas.link.base import Chunk, Direction
 from mikas.link.ports import Port
 from mikas.recording.capture.instruments import (
     CONNECTED,
     loss,
 )
+from mikas.recording.capture.reader import Packet, Source
+from mikas.recording.table.instrument_columns import InstrumentColumns, RawInstrument
 from mikas.sampling.instrument_changes import InstrumentChanged
 from unplugged_instruments import BOTH, CITY, Unplugged, drive_with_outages, prepare
 
@@ -207,3 +210,80 @@ def test_each_virtual_instrument_is_understood_by_its_own_definition(name: str) 
     events = decoder.feed(wire)
     assert len(events) >= 60
     assert all(isinstance(event, InstrumentValues) for event in events)
+
+
+METER = Source(0, "/dev/x", "aem", 9600, instrument=True)
+
+
+class Noted:
+    """Keeps what a recorder gets."""
+
+    def __init__(self) -> None:
+        self.packets: list[Packet] = []
+
+    def record_instrument(self, number: int, data: bytes, time: float, comment: str = "") -> None:
+        self.packets.append(Packet(Direction.RECEIVED, data, time, 0, comment, METER))
+
+
+def test_a_live_row_has_the_value_that_the_recording_has() -> None:
+    """That before the row, not one that has come since; none from before a loss."""
+    (aem,) = chosen_instruments(["aem=/dev/x"], shipped())
+    lost = [Chunk(b"", -1.0)]  # stands for a loss
+    script: list[list[Chunk]] = [
+        [],
+        [Chunk(b"\r\n1.000\r\n", 10.0)],
+        [Chunk(b"1.100\r\n", 10.4), Chunk(b"1.200\r\n", 10.5)],
+        [Chunk(b"1.3", 10.7)],
+        lost,
+        [],
+        [Chunk(b"\r\n1.400\r\n", 13.0)],
+    ]
+    now, noted = 9.0, Noted()
+
+    class Pulled(Scripted):
+        def read(self) -> list[Chunk]:
+            found = super().read()
+            if found is lost:
+                raise LinkLost(url="/dev/x", problem=Text("out", "отключён"))
+            return found
+
+    reader = InstrumentReader(
+        0, aem, Pulled(script), noted, clock=lambda: now, report=lambda _: None,
+        comments=(CONNECTED, loss),
+    )  # fmt: skip
+    live: dict[float, float] = {}
+    for at, rows in (
+        (9.0, [9.5]),
+        (10.0, [9.9, 10.0]),
+        (10.6, [10.1, 10.39, 10.45, 10.55]),
+        (10.7, [10.65]),
+        (10.8, [10.75, 10.9]),
+        (12.5, [12.5]),
+        (13.1, [10.78, 12.9, 13.05, 13.99, 14.01]),
+    ):
+        now = at
+        reader.poll()
+        for row in rows:
+            live[row] = getattr(reader.fresh(row).get("LAMBDA"), "value", np.nan)
+    raw = RawInstrument(METER)
+    for packet in noted.packets:
+        raw.add(packet)
+    samples = InstrumentColumns([raw], shipped()).samples(0, "LAMBDA")
+    assert samples is not None
+    np.testing.assert_array_equal(samples.at(np.array([*live])), [*live.values()])
+    assert [live[row] for row in (10.1, 10.39, 10.45, 10.75)] == [1.0, 1.0, 1.1, 1.2]
+    assert np.isnan([live[row] for row in (9.9, 10.9, 12.9, 14.01)]).all()
+
+
+def test_of_a_very_quick_instrument_a_row_has_a_value_all_the_same() -> None:
+    """More has come since the row than is kept: the nearest one, rather than none."""
+    (aem,) = chosen_instruments(["aem=/dev/x?baud=4000000"], shipped())
+    chunks = [Chunk(f"{1 + at / 1e4:.4f}\r\n".encode(), 10 + at / 1e4) for at in range(5000)]
+    reader = InstrumentReader(
+        0, aem, Scripted([chunks]), Noted(), clock=lambda: 10.5, report=lambda _: None,
+        comments=(CONNECTED, loss),
+    )  # fmt: skip
+    reader.poll()
+    assert reader.fresh(10.2)["LAMBDA"].value == pytest.approx(1.45, abs=0.01)
+    assert reader.fresh(10.49)["LAMBDA"].value == pytest.approx(1.49, abs=0.001)
+    assert "LAMBDA" not in reader.fresh(12.0)

@@ -10,10 +10,11 @@ A loss is tried again after a second, then two, four, five. Nothing here knows t
 from __future__ import annotations
 
 import threading
+from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Final, Protocol
+from typing import Final, NamedTuple, Protocol
 
 from mikas.catalog.instrument_channels import InstrumentChannel
 from mikas.errors import MikasError
@@ -29,6 +30,7 @@ _FIRST_RETRY: Final = 1.0  # s
 _LONGEST_RETRY: Final = 5.0
 _LASTING: Final = 5.0  # s of a connection with values, after which a loss is a new one
 _SILENT: Final = 3.0  # s without a value, at least
+_KEPT: Final = 512  # messages: of a receiver those of some ten seconds
 
 
 class InstrumentState(StrEnum):
@@ -82,6 +84,13 @@ class InstrumentReading:
         return self.channel.unit
 
 
+class _Message(NamedTuple):
+    """Its time and values, by the channels' names; None: a loss."""
+
+    time: float
+    readings: Mapping[str, InstrumentReading] | None
+
+
 class InstrumentReader:
     """Reads the instrument `chosen` from `source`; `number`: its place among the recorder's.
 
@@ -110,7 +119,7 @@ class InstrumentReader:
         self._decoder = TimedInstrumentDecoder(
             decoder_of(definition), BITS_PER_BYTE / line_baud(definition, chosen.url)
         )
-        self._latest: dict[str, InstrumentReading] = {}
+        self._recent: deque[_Message] = deque(maxlen=_KEPT)
         self._lock = threading.Lock()
         self.state: InstrumentState | None = None
         """The state reported last; None before the first."""
@@ -149,11 +158,26 @@ class InstrumentReader:
         return True
 
     def fresh(self, time: float) -> Mapping[str, InstrumentReading]:
-        """Return the values that are not too old at `time`, by the channels' names."""
-        stale = self.chosen.definition.stale
+        """Return the values that hold at `time`, by the channels' names.
+
+        They are the last ones before it, as in a recording that is read again: not what has come
+        since, nor what came before a loss. Of an instrument so quick that all it kept has come
+        since, the first ones.
+        """
+        found: dict[str, InstrumentReading] = {}
         with self._lock:
-            found = [it for it in self._latest.values() if abs(time - it.time) <= stale]
-        return {reading.name: reading for reading in found}
+            recent = self._recent
+            if len(recent) == _KEPT:
+                time = max(time, recent[0].time)
+            for each in reversed(recent):
+                if each.time > time:
+                    continue
+                if each.readings is None or time - each.time > self.chosen.definition.stale:
+                    break
+                found = {**each.readings, **found}
+                if len(found) == len(self._channels):
+                    break
+        return found
 
     def close(self) -> None:
         """Close the source; any thread may call."""
@@ -167,10 +191,11 @@ class InstrumentReader:
                 self._why = event.reason
                 self.damaged += event.reason != NO_FIX
                 continue
-            with self._lock:
-                for name, value in event.values.items():
-                    reading = InstrumentReading(self._channels[name], value, at)
-                    self._latest[name] = reading
+            channels = self._channels
+            readings = [
+                InstrumentReading(channels[it], value, at) for it, value in event.values.items()
+            ]
+            self._keep(_Message(at, {each.name: each for each in readings}))
             self._valued, self._why = time, None
             if self.state is not InstrumentState.VALUES:
                 self._change(time, InstrumentState.VALUES)
@@ -180,8 +205,7 @@ class InstrumentReader:
         if self._closed:  # the session ends, which is no loss
             return
         self._source.reset()
-        with self._lock:
-            self._latest.clear()
+        self._keep(_Message(now, None))
         if was_open and self._valued > self._opened and now - self._opened > _LASTING:
             self._retry = _FIRST_RETRY
         self._due = now + self._retry
@@ -191,6 +215,10 @@ class InstrumentReader:
             self._sink.record_instrument(self._number, b"", now, comment)
         if self.state is not InstrumentState.LOST:
             self._change(now, InstrumentState.LOST, error.reason)
+
+    def _keep(self, message: _Message) -> None:
+        with self._lock:
+            self._recent.append(message)
 
     def _change(self, time: float, state: InstrumentState, reason: Text | None = None) -> None:
         self.state, self.reason = state, reason
