@@ -1,5 +1,5 @@
 import { expect, it } from "vitest";
-import { mayBeOneCar } from "./oneCar";
+import { carKeys, mayBeOneCar } from "./oneCar";
 
 const of = (more: { plate?: string; car?: string; model?: string; passport?: string[]; virtual?: boolean } = {}) => ({
   car: { car: more.car ?? "", plate: more.plate ?? "", mileage: null, workshop: "" },
@@ -21,4 +21,14 @@ it("units of different models or passports are not one; what is not known differ
   expect(mayBeOneCar(of({ passport: ["a", ""] }), of({ passport: ["a", "c"] }))).toBe(true);
   expect(mayBeOneCar(of(), of({ model: "Mikas 7.1" }))).toBe(true);
   expect(mayBeOneCar(of({ virtual: true }), of())).toBe(false);
+});
+
+it("what is kept of a car is found by its plate, else by its name, else by its unit", () => {
+  expect(carKeys(of({ plate: "а 123 вс 52", car: "ГАЗ  3110", passport: ["a", "b"] }))).toEqual([
+    "plate A123BC52",
+    "car газ 3110",
+    "unit a/b",
+  ]);
+  expect(carKeys(of({ passport: ["", ""] }))).toEqual([]);
+  expect(carKeys(of({ car: "x", virtual: true }))).toEqual(["virtual car x"]);
 });

@@ -11,6 +11,15 @@ const plate = (text: string) =>
     .replace(/[А-Я]/g, (letter) => LATIN[letter] ?? letter);
 const words = (text: string) => text.toLowerCase().split(/\s+/).filter(Boolean).join(" ");
 
+/** The names by which figures of a recording's car are kept, the surest first; none: nothing is known of it. */
+export function carKeys({ car, passport, virtual }: Pick<Known, "car" | "passport" | "virtual">): string[] {
+  const keys = [];
+  if (car.plate) keys.push(`plate ${plate(car.plate)}`);
+  if (car.car) keys.push(`car ${words(car.car)}`);
+  if (passport?.some(Boolean)) keys.push(`unit ${passport.join("/")}`);
+  return virtual ? keys.map((key) => `virtual ${key}`) : keys;
+}
+
 /** Whether two recordings may be of one car, and of one unit: nothing that is known of both differs. */
 export function mayBeOneCar(one: Known, other: Known): boolean {
   if (one.virtual !== other.virtual) return false;

@@ -131,5 +131,35 @@ it("a pull is computed with the car's figures, which stay, and has its doubt", a
   await screen.findByText("101 ± 4 kW (137 hp) at 5000 rpm, 180 ± 8 Nm at 2500 rpm");
   expect(document.body.textContent).toContain("The gear seems to change by 20 %");
   expect(asked.at(-1)!.path).toBe("/recordings/drive.pcapng/pulls?mass=1600&per_1000=23.5&drag_area=0.9&slope=0");
-  expect(localStorage.getItem("mikas.pull")).toBe("1600|23,5|0.9|0");
+  await waitFor(() => expect(localStorage.getItem("mikas.pulls")).not.toBeNull());
+  expect(JSON.parse(localStorage.getItem("mikas.pulls")!)).toEqual({ "recording drive.pcapng": ["1600", "23,5", "0.9", "0"] });
+});
+
+it("the figures of a pull are those of its car", async () => {
+  localStorage.clear();
+  location.hash = "#/recordings/trip/a.pcapng";
+  const of = (id: string, plate: string) => ({
+    ...{ id, date: 1, model: null, passport: null, virtual: false, events: [] },
+    car: { car: "", plate, mileage: null, workshop: "" },
+  });
+  const list = [of("a.pcapng", "А123ВС52"), of("b.pcapng", "x777xx77"), of("c.pcapng", "a 123 bc 52")];
+  const rig = page({
+    ...Object.fromEntries(
+      list.flatMap(({ id }) => [
+        [`/recordings/${id}/pulls`, { pulls: [] }],
+        [`/recordings/${id}/trip`, whole],
+      ]),
+    ),
+    "/recordings": { recordings: list },
+  });
+  rig.say();
+  rig.show(Screen, {});
+  const mass = async () => (await screen.findByLabelText<HTMLInputElement>(/^Mass/)).value;
+  await fireEvent.input(await screen.findByLabelText(/^Mass/), { target: { value: "1600" } });
+  await fireEvent.click(await screen.findByRole("button", { name: "Compute" }));
+  await waitFor(() => expect(localStorage.getItem("mikas.pulls")).toContain("plate A123BC52"));
+  rig.stores.route.go("recordings", "trip", "b.pcapng");
+  await waitFor(async () => expect(await mass()).toBe(""));
+  rig.stores.route.go("recordings", "trip", "c.pcapng");
+  await waitFor(async () => expect(await mass()).toBe("1600"));
 });
