@@ -254,6 +254,7 @@ def test_what_else_a_definitions_file_has_stays_when_it_is_changed(off):
         ("mine", {"patterns": ["{X"]}, "{"),
         ("mine", {"patterns": ["{OTHER}"]}, "OTHER"),
         ("mine", {"channels": []}, "BOOST_BAR"),
+        ("mine", {"patterns": ["R={FREQ}"]}, "FREQ, which the unit itself sends"),
         ("mine", {"patterns": ["{LAMBDA}"]}, "BOOST_BAR"),
         ("Mine", {}, "name"),
     ],

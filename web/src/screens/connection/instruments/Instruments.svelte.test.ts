@@ -167,3 +167,17 @@ it("a definition that is being written stays while the card is cut off from the 
   await whole.unmount();
   expect(shown.stores.instruments.sheet).toBeNull();
 });
+
+it("a pattern that claims the name of the unit's channel is refused where it is typed, with what to do", async () => {
+  const shown = await card(NONE);
+  shown.stores.catalog.use({ version: "1", parameters: [channelOf("FREQ")], derived: [], faults: [] } as never);
+  await press("Add an instrument…");
+  await pick("Instrument", "own");
+  const type = (label: RegExp | string, value: string) => fireEvent.input(screen.getByLabelText(label), { target: { value } });
+  await type("Name", "rpm");
+  await type(/^What a line looks/, "R={FREQ}");
+  expect(document.body.textContent).toContain("FREQ is a channel of the unit itself: write another name in the pattern, as {MY_FREQ}.");
+  expect(screen.getByRole<HTMLButtonElement>("button", { name: "Save" }).disabled).toBe(true);
+  await type(/^What a line looks/, "R={MY_FREQ}");
+  expect(screen.getByRole<HTMLButtonElement>("button", { name: "Save" }).disabled).toBe(false);
+});

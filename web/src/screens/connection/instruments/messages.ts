@@ -63,6 +63,7 @@ export const t = dictionary({
   patterns: { en: "What a line looks like", ru: "Как выглядит строка" },
   patterns_help: { en: "A pattern a line, the first that fits decides. {NAME} is a value, {} a number not used, * any text: P={BOOST_BAR} bar, {} C*", ru: "По образцу в строке, берётся первый подходящий. {NAME} — значение, {} — лишнее число, * — любой текст: P={BOOST_BAR} bar, {} C*" },
   no_names: { en: "No pattern has a value in braces yet, as {BOOST}.", ru: "В образцах пока нет значения в фигурных скобках, например {BOOST}." },
+  of_unit: { en: "{name} is a channel of the unit itself: write another name in the pattern, as {MY_{name}}.", ru: "{name} — канал самого блока: напишите в образце другое имя, например {MY_{name}}." },
   baud: { en: "Speed of the port, baud", ru: "Скорость порта, бод" },
   stale: { en: "A value holds for, s", ru: "Значение действует, с" },
   decimal: { en: "Numbers have a decimal comma", ru: "В числах запятая вместо точки" },
