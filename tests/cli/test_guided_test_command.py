@@ -151,3 +151,46 @@ def test_a_result_has_its_true_date_though_that_was_set_meanwhile(
     step, curve = result["steps"][0], result["curves"][0]
     for moment in (result["began"], result["ended"], step["began"], curve["times"][0]):
         assert moment == pytest.approx(BEGAN + seconds, abs=60)
+
+
+MIXTURE = """\
+title = { en = "Mixture", ru = "Смесь" }
+finds = { en = "a lean mixture", ru = "бедную смесь" }
+
+[step.idle]
+text = { en = "Let it idle", ru = "Дайте поработать" }
+until = "LAMBDA > 0.5 and FREQ > 500"
+hold = 2
+watch = ["LAMBDA", "FREQ"]
+
+[measure.mixture]
+text = { en = "mixture", ru = "смесь" }
+step = "idle"
+of = "LAMBDA"
+statistic = "mean"
+
+[rule.lean]
+when = "MIXTURE > 1.1"
+verdict = "attention"
+text = { en = "lean: {MIXTURE}", ru = "бедная: {MIXTURE}" }
+"""
+
+
+def test_a_test_of_ones_own_takes_the_meter_beside_the_unit(mikas, tmp_path, monkeypatch):
+    (tmp_path / "config" / "mikas" / "tests").mkdir(parents=True)
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "config"))
+    (tmp_path / "config" / "mikas" / "tests" / "mixture.toml").write_text(MIXTURE, "utf-8")
+    port = ("--port", "sim:?clock=simulated&scenario=warm-idle")
+    refused = mikas(*port, "test", "mixture")
+    assert refused.status == 2
+    assert "needs LAMBDA, which no instrument of this run gives" in refused.err
+    meter = ("--instrument", "aem=sim:")
+    ran = mikas(*port, "test", "mixture", "--json", "--capture", "m.pcapng", *meter)
+    assert ran.status == 0
+    (number,) = ran.object["result"]["numbers"]
+    assert number["value"] == pytest.approx(1, abs=0.3)
+    again = mikas("test", "mixture", "--recording", "m.pcapng", "--json").object["result"]
+    assert again["numbers"][0]["value"] == pytest.approx(number["value"], abs=0.05)
+    assert mikas(*port, "log", "-o", "no.pcapng", "FREQ", "--duration", "5").status == 0
+    without = mikas("test", "mixture", "--recording", "no.pcapng")
+    assert "the recording has no values of LAMBDA" in without.err

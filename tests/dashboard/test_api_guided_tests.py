@@ -128,3 +128,40 @@ def test_a_test_over_a_recording_has_its_result(cold, tmp_path):
     assert none["why"]["en"] == "the recording has no values of UOZ, UOZOC, DET"
     cold.get("/recordings/drive.pcapng/tests/none", 404)
     cold.get("/recordings/none.pcapng/tests/sensors", 404)
+
+
+MIXTURE = """\
+title = { en = "Mixture", ru = "Смесь" }
+finds = { en = "a lean mixture", ru = "бедную смесь" }
+
+[step.idle]
+text = { en = "Let it idle", ru = "Дайте поработать" }
+until = "LAMBDA > 0.5 and FREQ > 500"
+hold = 2
+watch = ["LAMBDA", "FREQ"]
+
+[measure.mixture]
+text = { en = "mixture", ru = "смесь" }
+step = "idle"
+of = "LAMBDA"
+statistic = "mean"
+
+[rule.lean]
+when = "MIXTURE > 1.1"
+verdict = "attention"
+text = { en = "lean: {MIXTURE}", ru = "бедная: {MIXTURE}" }
+"""
+
+
+def test_a_test_that_names_lambda_waits_for_its_meter(tmp_path):
+    (tmp_path / "tests").mkdir()
+    (tmp_path / "tests" / "mixture.toml").write_text(MIXTURE, "utf-8")
+    with rig(tmp_path, "sim:?scenario=warm-idle") as it:
+        refused = it.post("/tests/mixture/start", status=400)
+        assert "No instrument beside the unit gives LAMBDA" in refused["en"]
+        assert "«Связь»" in refused["ru"]
+        it.post("/instruments", {"definition": "aem", "port": "sim:"})
+        it.post("/tests/mixture/start")
+        run = finished(it)
+    (number,) = run["result"]["numbers"]
+    assert number["value"] == pytest.approx(1, abs=0.3)

@@ -118,7 +118,12 @@ class Dashboard:
         self.session.record = self.recorder.record_event
         self.recorder.recorder.conclude = self.session.conclude
         self.guided: GuidedTests = GuidedTests(
-            settings, self.connection, self.plan, self.recorder.recorder, self.catalogs
+            settings,
+            self.connection,
+            self.plan,
+            self.recorder.recorder,
+            self.catalogs,
+            lambda: self.formula_catalog,
         )
         self.library: RecordingService = RecordingService(
             folder,

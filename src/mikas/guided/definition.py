@@ -166,7 +166,8 @@ class GuidedTest:
 
     `any_order`: in a recording each step is looked for by itself, and the one that decides most
     counts. `own`: from a file of the user. `channels`: the parameters to sample, those of the
-    formulas and the watched ones. `chart`: channels drawn with the verdict.
+    formulas and the watched ones; `beside`: the instruments' channels among these. `chart`:
+    channels drawn with the verdict.
     """
 
     name: str
@@ -182,16 +183,22 @@ class GuidedTest:
     rules: Annotated[tuple[Rule, ...], {ANY: schema_of(Rule)}, "rule"]
     channels: tuple[str, ...]
     own: bool = False
+    beside: tuple[str, ...] = ()
 
 
 def parameters_of(catalog: Catalog, names: Iterator[str] | tuple[str, ...]) -> tuple[str, ...]:
-    """Return the parameters that channels need, derived ones by their inputs, each once."""
+    """Return the parameters that channels need, derived ones by their inputs, each once.
+
+    Among them are the channels of instruments beside the unit that they are or need.
+    """
     found: dict[str, None] = {}
     for name in names:
         if name == SECONDS:
             continue
-        channel = catalog.channel(name)
-        found |= dict.fromkeys(
-            catalog.required_by([channel.name]) if isinstance(channel, Derived) else (channel.name,)
-        )
+        channel = catalog.formula_channel(name)
+        needed: tuple[str, ...] = (channel.name,)
+        if isinstance(channel, Derived):
+            own = [channel.name]
+            needed = (*catalog.required_by(own), *catalog.required_beside(own))
+        found |= dict.fromkeys(needed)
     return tuple(found)

@@ -181,7 +181,7 @@ class TestEngine:
         done = [step.name for step in self._done if not step.skipped]
         dead = self._injection.ignition_only
         outcome, findings, missing = judge(self.test, self._numbers, done, ignition_only=dead)
-        channels = ((self._catalog.channel(name), it) for name, it in self._curves.items())
+        channels = ((self._catalog.formula_channel(name), it) for name, it in self._curves.items())
         self.result = TestResult(
             test=self.test.name,
             title=self.test.title,

@@ -14,7 +14,7 @@ from pathlib import Path
 from string import Formatter
 from typing import Any, Final
 
-from mikas.catalog import Catalog, Derived
+from mikas.catalog import Catalog, Derived, Parameter
 from mikas.catalog.conversion import NO_TEXT
 from mikas.catalog.formula_syntax import Parsed, parse
 from mikas.catalog.ignition_only import DEAD, SPEED, WITNESSES
@@ -52,14 +52,19 @@ class LoadedTests:
     errors: tuple[CatalogError, ...] = ()
 
 
-def load(catalog: Catalog, folder: Path | None = None) -> LoadedTests:
-    """Return the shipped tests and those in the user's `folder`, a later name over an earlier."""
+def load(
+    catalog: Catalog, folder: Path | None = None, formula_catalog: Catalog | None = None
+) -> LoadedTests:
+    """Return the shipped tests and those in the user's `folder`, a later name over an earlier.
+
+    `formula_catalog`: the catalog with the instruments of a session or a recording, for the user's.
+    """
     tests = dict(_shipped(catalog))
     files, problems = own_files(folder)
     errors = [*problems]
     for path in files:
         try:
-            test = from_source(read_source(path), catalog, own=True)
+            test = from_source(read_source(path), formula_catalog or catalog, own=True)
         except CatalogError as error:
             errors.append(error)
         else:
@@ -103,6 +108,7 @@ class _Builder:
         named += [formula for each in measures.values() for formula in each.formulas]
         inputs = [each for formula in named if formula for each in formula.inputs]
         watched = [each for step in steps for each in (*step.watch, *step.targets)]
+        needed = self._needed((*inputs, *watched, *chart))
         return GuidedTest(
             name=name,
             title=self._text("title"),
@@ -115,14 +121,13 @@ class _Builder:
             steps=steps,
             measures=measures,
             rules=rules,
-            channels=self._needed((*inputs, *watched, *chart)),
+            channels=tuple(each for each in needed if each in self._catalog.channels),
             own=own,
+            beside=tuple(each for each in needed if each not in self._catalog.channels),
         )
 
     def _needed(self, names: tuple[str, ...]) -> tuple[str, ...]:
-        """Return the parameters to sample: those named, and those that show a unit without
-        injection.
-        """
+        """Return what is to be sampled: what is named, and what shows a unit without injection."""
         needed = parameters_of(self._catalog, names)
         if DEAD.isdisjoint(needed) or SPEED not in needed:
             return needed
@@ -215,11 +220,11 @@ class _Builder:
         if statistic is Statistic.TIMES:
             return NO_TEXT, 0, 0.0
         try:
-            channel = self._catalog.channel(formula)
+            channel = self._catalog.formula_channel(formula)
         except MikasError:
             return NO_TEXT, 1, 0.0
         resolution = 0.0
-        if not isinstance(channel, Derived) and not channel.is_flag:
+        if isinstance(channel, Parameter) and not channel.is_flag:
             resolution = abs(float(channel.conversion.scale))
         if statistic is Statistic.SLOPE:
             unit = channel.unit_text
@@ -271,10 +276,10 @@ class _Builder:
 
     def _channel(self, path: KeyPath, name: str) -> str:
         """Return the full name of a channel. Raises `CatalogError`."""
-        known = self._catalog.channels
+        known = self._catalog.formula_channels
         if (found := name.upper()) not in known:
             raise self._missing(path, name, known)
-        if known[found].accumulates:
+        if isinstance(channel := known[found], Derived) and channel.accumulates:
             problem = Text(
                 f"names {found}, a total; a test needs values of the moment",
                 f"называет {found} — это сумма; проверке нужны мгновенные значения",

@@ -52,7 +52,7 @@ def run_over(
 
 def _in_order(test: GuidedTest, recording: Recording, skip: Collection[str]) -> TestResult | Text:
     """Run the test again and again, until a result is decided."""
-    search, seen = _Search(test, recording.catalog, skip), set[str]()
+    search, seen = _Search(test, recording.formula_catalog, skip), set[str]()
     for time, fresh in _rows(test, recording):
         seen |= fresh.keys()
         result = search.add_row(time, fresh)
@@ -66,7 +66,7 @@ def _in_any_order(
 ) -> TestResult | Text:
     """Look for each step by itself, and return the result of the moments that decide most."""
     searches = {
-        step.name: _Search(_alone(test, step), recording.catalog)
+        step.name: _Search(_alone(test, step), recording.formula_catalog)
         for step in test.steps
         if step.name not in skip
     }
@@ -118,14 +118,15 @@ def _combined(test: GuidedTest, found: Mapping[str, Sequence[TestResult]]) -> Te
 
 
 def _why_not(test: GuidedTest, search: _Search, seen: Collection[str]) -> Text:
-    if lacking := [name for name in test.channels if name not in seen]:
+    if lacking := [name for name in (*test.channels, *test.beside) if name not in seen]:
         return _LACKING.filled(names=", ".join(lacking))
     return search.reason
 
 
 def _rows(test: GuidedTest, recording: Recording) -> Iterator[tuple[float, dict[str, float]]]:
     """Yield the recorded rows: their times, and the values that are there."""
-    for rows in recording.interpreted("corrected", test.channels).rows():
+    beside = (name for name in test.beside if name in recording.instrument_channels)
+    for rows in recording.interpreted("corrected", (*test.channels, *beside)).rows():
         columns = [(name, column.tolist()) for name, column in rows.values.items()]
         for number, time in enumerate(rows.times.tolist()):
             if number % _CHECKED == 0:

@@ -104,7 +104,7 @@ def _holds(term: Term, values: Mapping[str, float]) -> bool:
 def _unmet(
     name: str, sign: str, limit: float | None, values: Mapping[str, float], catalog: Catalog
 ) -> Unmet:
-    channel, value = catalog.channel(name), values.get(name)
+    channel, value = catalog.formula_channel(name), values.get(name)
     shown = _NO_VALUE if value is None else quantity(value, channel)
     if sign == "" or limit is None:
         filled = _PLAIN.filled(name=channel.short, value=shown)

@@ -12,8 +12,8 @@ from mikas.cli.completion.values import RECORDING, files, guided_tests, steps_of
 from mikas.cli.context import CommandContext
 from mikas.cli.language import localized, tr
 from mikas.cli.options.parameter_types import existing_file, positive
-from mikas.cli.options.sampling import SamplingOptions
-from mikas.errors import usage_error
+from mikas.cli.options.sampling import INSTRUMENTS, SamplingOptions
+from mikas.errors import UsageError, usage_error
 from mikas.i18n import Text, joined
 from mikas.json_values import picked
 from mikas.options import nearest
@@ -21,7 +21,7 @@ from mikas.options import nearest
 if TYPE_CHECKING:
     from mikas.cli.port_ahead import PortAhead
     from mikas.guided.definition import GuidedTest
-    from mikas.guided.engine import Progress
+    from mikas.guided.engine import Progress, TestEngine
     from mikas.guided.loading import LoadedTests
     from mikas.guided.result import TestResult
 
@@ -56,6 +56,7 @@ if TYPE_CHECKING:
     en="do the test over a recording (needs no port)",
     ru="по записи (порт не нужен)",
 )
+@INSTRUMENTS
 @option(
     "--duration",
     type=positive,
@@ -69,27 +70,52 @@ def test(
     name: str | None,
     skip: tuple[str, ...],
     recording: Path | None,
+    instruments: tuple[str, ...],
     duration: float | None,
 ) -> None:
     from mikas.cli.config import own_tests
     from mikas.guided.loading import load
+    from mikas.instruments.choosing import chosen_instruments
 
-    loaded = load(context.options.catalog, own_tests())
+    catalog = context.options.catalog
+    beside = chosen_instruments(instruments, catalog)
+    formulas = catalog.with_beside(channel for each in beside for channel in each.channels)
+    recorded = None
+    if recording is not None:
+        from mikas.recording.recording import Recording
+
+        recorded = Recording(recording, catalog)
+        formulas = recorded.formula_catalog
+    loaded = load(catalog, own_tests(), formulas)
     for error in loaded.errors:
         context.output.print_note(localized(error.reason))
     if name is None:
         _list(context, loaded)
         return
     chosen = _chosen(loaded, name, skip)
-    if recording is not None:
+    if recorded is not None:
         from mikas.guided.recorded import run_over
-        from mikas.recording.recording import Recording
 
-        recorded = Recording(recording, context.options.catalog)
         _show(context, chosen, run_over(chosen, recorded, skip))
         return
+    for each in chosen.beside:
+        if each not in formulas.beside:
+            raise _no_instrument(chosen, each)
     with context.open_ahead() as ahead:
-        _show(context, chosen, _guide(context, chosen, ahead, skip, duration))
+        from mikas.guided.engine import TestEngine  # while the port opens
+
+        engine = TestEngine(chosen, formulas)
+        run = _guide(context, engine, ahead, skip, duration, instruments)
+        _show(context, chosen, run)
+
+
+def _no_instrument(chosen: GuidedTest, name: str) -> UsageError:
+    return usage_error(
+        f"the test {chosen.name} needs {name}, which no instrument of this run gives; add one, as "
+        "in --instrument aem=/dev/ttyUSB1",
+        f"проверке {chosen.name} нужен {name}, а прибора, который его даёт, нет; добавьте его, "
+        "например --instrument aem=/dev/ttyUSB1",
+    )
 
 
 def _chosen(loaded: LoadedTests, name: str, skip: tuple[str, ...]) -> GuidedTest:
@@ -130,32 +156,35 @@ def _list(context: CommandContext, loaded: LoadedTests) -> None:
 
 def _guide(
     context: CommandContext,
-    chosen: GuidedTest,
+    engine: TestEngine,
     ahead: PortAhead,
     skip: tuple[str, ...],
     duration: float | None,
+    instruments: tuple[str, ...],
 ) -> TestResult | Text:
     """Return the result; an empty text, if the test did not come to its end."""
     from mikas.cli.render.notices import Notices
     from mikas.cli.sampling_run import sampling_session
     from mikas.client.parameters.derived import number_of
-    from mikas.guided.engine import TestEngine
     from mikas.sampling.events import Sampled
 
-    output = context.output
+    output, chosen = context.output, engine.test
     options = SamplingOptions(names=chosen.channels, duration=duration)
-    engine = TestEngine(chosen, context.options.catalog)
     said: tuple[int | None, bool] | None = None
     waiting = _Waiting()
     with ExitStack() as stack:
         run = stack.enter_context(
-            sampling_session(context, options, ahead, context.capture, joined=False)
+            sampling_session(
+                context, options, ahead, context.capture, joined=False, instruments=instruments
+            )
         )
         notices = Notices(run, output.print_note, verbose=output.verbose)
         for event in stack.enter_context(closing(notices.watch())):
             if not isinstance(event, Sampled):
                 continue
-            engine.add_row(event.time, {n: number_of(it) for n, it in event.fresh.items()})
+            row = {name: number_of(it) for name, it in event.fresh.items()}
+            row |= {name: it.value for name, it in event.instruments.items()}
+            engine.add_row(event.time, row)
             engine.skip_all(skip)
             if engine.result is not None:
                 break

@@ -17,11 +17,13 @@ from mikas import unkept
 from mikas.cleaning import clean_line
 from mikas.client.limits import unit_file
 from mikas.client.parameters.derived import number_of
+from mikas.conditions.waiting import waiting_for
 from mikas.dashboard.errors import Busy, NotFound
 from mikas.dashboard.session.catalog_in_use import CatalogInUse
 from mikas.dashboard.session.connection import Connection, SamplingPlanner
 from mikas.dashboard.settings import PlanSettings, Settings
-from mikas.i18n import Text
+from mikas.errors import UsageError
+from mikas.i18n import Text, joined
 from mikas.recording.capture.notes import Kind, Note
 from mikas.recording.recorder import Recorder
 from mikas.sampling.events import Sampled, UnitFound
@@ -29,8 +31,10 @@ from mikas.saving import KeptFile
 from mikas.virtual import VIRTUAL_PASSPORT
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from pathlib import Path
 
+    from mikas.catalog import Catalog
     from mikas.guided.engine import Progress, TestEngine
     from mikas.guided.loading import LoadedTests
     from mikas.guided.result import TestResult
@@ -85,6 +89,7 @@ class GuidedTests:
     _plan: SamplingPlanner
     _recorder: Recorder
     _catalogs: CatalogInUse
+    _formula_catalog: Callable[[], Catalog]
 
     def __post_init__(self) -> None:
         self._lock = threading.RLock()
@@ -96,19 +101,24 @@ class GuidedTests:
         """Return all tests; reads the user's files again."""
         from mikas.guided.loading import load
 
-        return load(self._catalogs.catalog, self._settings.tests)
+        return load(self._catalogs.catalog, self._settings.tests, self._formula_catalog())
 
     def start(self, name: str) -> None:
-        """Start a test; a finished one is put away. Raises `NotFound`, `Busy`."""
+        """Start a test; a finished one is put away. Raises `NotFound`, `Busy`, and `UsageError` if
+        no instrument gives what it needs.
+        """
         from mikas.guided.engine import TestEngine
 
         test = self.available().tests.get(name)
         if test is None:
             raise NotFound(name=name)
+        catalog = self._formula_catalog()
+        if (waits := waiting_for(test.beside, catalog)) is not None:
+            raise UsageError(problem=joined(": ", [test.title, waits]))
         with self._lock:
             if self._run is not None and self._run.engine.result is None:
                 raise Busy(problem=_RUNNING)
-            self._run = run = _Run(TestEngine(test, self._catalogs.catalog), None, None)
+            self._run = run = _Run(TestEngine(test, catalog), None, None)
             before = self._plan.request
             every = before.every | dict.fromkeys(test.channels, 1)
             most = max((step.rate for step in test.steps), default=0)
@@ -155,6 +165,7 @@ class GuidedTests:
         if self._run is None:
             return
         values = {name: number_of(reading) for name, reading in event.fresh.items()}
+        values |= {name: reading.value for name, reading in event.instruments.items()}
         with self._lock:
             run = self._run
             if run is not None and run.engine.result is None:
