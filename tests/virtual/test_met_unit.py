@@ -236,6 +236,12 @@ def test_it_responds_as_often_a_turn_as_it_did(rate, code):
     assert count == pytest.approx(turns * (0.5 if rate is None else rate), rel=0.06, abs=2)
 
 
+@pytest.mark.parametrize("rate", [5e-324, 1e-300, 1e-9])
+def test_a_rate_that_no_engine_reaches_is_none_and_takes_no_time(rate):
+    tester = MetTester(UnitProfile(strokes={0x7F: rate}))
+    assert tester.bodies(b"\x7f\x1a", 20.0) == []
+
+
 @of("codes")
 @few
 @given(profiles())

@@ -21,6 +21,7 @@ _APART: Final = 0.001  # s; a cycle lasts 20 ms at 6,000 rpm
 # Responses a cycle: up to there it is taken for one, for two; more are four, one each stroke.
 _ONCE: Final = 1.5
 _TWICE: Final = 3.0
+_RAREST: Final = 0.01  # responses a cycle; a survey of some seconds sees none of rarer ones
 
 
 def quirks_of(profile: UnitProfile) -> EcuQuirks:
@@ -127,7 +128,7 @@ class MetCar:
 
     def _at_rate(self, stroke: int, in_cycle: float, after: float) -> float:
         """Return the next of `in_cycle` responses a cycle, or of one in several cycles."""
-        if in_cycle == 0:
+        if in_cycle < _RAREST:
             return inf
         if in_cycle > _ONCE:
             apart = 2 if in_cycle < _TWICE else 1
