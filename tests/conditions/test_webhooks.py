@@ -91,7 +91,7 @@ def test_a_name_is_asked_once_and_its_address_kept():
 
     target = resolved("http://node-red:1880/hot?x=1", addresses)
     assert target == LoopbackTarget(
-        "http://node-red:1880/hot?x=1", "127.0.0.1", 1880, "node-red:1880", "/hot?x=1"
+        "http://node-red:1880/hot?x=1", ("127.0.0.1",), 1880, "node-red:1880", "/hot?x=1"
     )
     assert asked == [("node-red", 1880)]
 
@@ -114,6 +114,17 @@ def test_it_is_posted_as_json_in_order():
         hooks.close()
     assert got == [("/hot", f"localhost:{receiver.port}", {"n": at}) for at in range(3)]
     assert failures == []
+
+
+def test_a_program_at_one_address_of_the_name_is_found():
+    """localhost is ::1 first on most computers, where a program at 127.0.0.1 is not."""
+    with Receiver() as receiver:
+        url = f"http://localhost:{receiver.port}/hot"
+        target = resolved(url, lambda host, port: ["::1", "127.0.0.1", "127.0.0.1"])
+        assert target.addresses == ("::1", "127.0.0.1")
+        assert post(target, b"{}") is None
+        assert receiver.got.get(timeout=PATIENCE) == ("/hot", f"localhost:{receiver.port}", {})
+        assert receiver.got.empty()
 
 
 def test_a_redirect_is_not_followed():

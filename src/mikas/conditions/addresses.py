@@ -1,7 +1,7 @@
 """The address of a webhook: http on this computer, and nowhere else.
 
 `check_webhook` looks at the text alone. Before it is used, `mikas.conditions.webhooks` resolves it
-once, refuses it unless every address of the name is a loopback one, and connects to that address
+once, refuses it unless every address of the name is a loopback one, and connects to those
 only: a name that is later another computer's can't move the request.
 """
 

@@ -1,8 +1,9 @@
 """Sends webhooks to this computer, in a thread of its own: sampling never waits for them.
 
 A name is resolved once, before the first request. All its addresses must be loopback ones, and each
-request connects to the first of these: a name that changes later, a redirect and a proxy lead
-nowhere. At most twenty requests wait; of an answer nothing is read but its status.
+request connects to the first of these at which a program listens (localhost is ::1 and 127.0.0.1,
+a program often at one of them): a name that changes later, a redirect and a proxy lead nowhere. At
+most twenty requests wait; of an answer nothing is read but its status.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import queue
 import socket
 import threading
 from collections.abc import Callable, Iterable
+from contextlib import closing, suppress
 from dataclasses import dataclass
 from typing import Final
 
@@ -44,8 +46,8 @@ class LoopbackTarget:
 
     url: str
     """As it was written."""
-    address: str
-    """To which it connects."""
+    addresses: tuple[str, ...]
+    """To which it connects, the first that takes it."""
     port: int
     """Of the program there."""
     host: str
@@ -71,7 +73,7 @@ def resolved(
     if not found or not all(map(is_loopback, found)):
         raise not_here(host)
     path = (parts.path or "/") + (f"?{parts.query}" if parts.query else "")
-    return LoopbackTarget(url, found[0], port, parts.netloc, path)
+    return LoopbackTarget(url, tuple(dict.fromkeys(found)), port, parts.netloc, path)
 
 
 def _addresses(host: str, port: int) -> list[str]:
@@ -130,17 +132,28 @@ class Webhooks:
 
 def post(target: LoopbackTarget, body: bytes) -> Text | None:
     """Send one request; return why it failed, None: it did not."""
-    connection = http.client.HTTPConnection(target.address, target.port, timeout=PATIENCE)
     headers = {
         "Host": target.host, "Content-Type": "application/json", "Connection": "close",
     }  # fmt: skip
     try:
-        connection.request("POST", target.path, body, headers)
-        status = connection.getresponse().status
+        with closing(_connected(target)) as connection:
+            connection.request("POST", target.path, body, headers)
+            status = connection.getresponse().status
     except http.client.HTTPException:
         return _FAILED.filled(url=target.url, why=_NO_HTTP)
     except OSError as error:
         return _FAILED.filled(url=target.url, why=reason_of(error))
-    finally:
-        connection.close()
     return None if status < 300 else _REFUSED.filled(url=target.url, status=status)
+
+
+def _connected(target: LoopbackTarget) -> http.client.HTTPConnection:
+    """Return a connection to the first address that takes it. Raises `OSError` of the last one."""
+    *others, last = target.addresses
+    for address in others:
+        connection = http.client.HTTPConnection(address, target.port, timeout=PATIENCE)
+        with suppress(OSError):
+            connection.connect()
+            return connection
+    connection = http.client.HTTPConnection(last, target.port, timeout=PATIENCE)
+    connection.connect()
+    return connection
