@@ -108,6 +108,11 @@ def test_a_gap_another_unit_and_a_clock_set_back_begin_again():
     assert hot(3) == [3]
 
 
+def test_a_clock_set_back_does_not_keep_a_rule_waiting_until_that_time_comes_again():
+    samples = [*every(1, 90, 101, start=3600.0), *every(1, 90, 101, 90, 101)]
+    assert acted(rule(again=60), samples) == [3601, 1]
+
+
 def test_derived_channels_are_computed_from_what_was_read():
     it = rule("FUEL_FLOW > 0.0001")
     watch = ConditionWatch([it], CATALOG)

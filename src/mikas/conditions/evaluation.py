@@ -90,7 +90,7 @@ class _RuleState:
             self.since = time
         self.latest = time
         pause = max(rule.again, LEAST_PAUSE)  # a value that flickers does not act at each flip
-        pauses = self.last is not None and time - self.last < pause
+        pauses = self.last is not None and 0 <= time - self.last < pause  # else: a clock set back
         if not self.armed or pauses or (rule.once and self.acted):
             return False
         if time - self.since < rule.hold:
