@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import sys
 
 import pytest
@@ -133,6 +134,19 @@ def test_what_makes_no_sense_is_refused_and_the_rules_before_stay(shared_idle, w
     put(shared_idle, {**RUNS, "hold": 3000})
     assert says in put(shared_idle, wish, status=400)["en"]
     assert [rule["name"] for rule in shared_idle.get("/actions")["rules"]] == ["runs"]
+
+
+def test_rules_that_can_not_be_kept_are_not_used(idle, monkeypatch):
+    """A full disk: the rules on the page, in the file and at work stay the same."""
+    put(idle, RUNS)
+
+    def full(*_, **__):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr("mikas.dashboard.session.actions.save", full)
+    put(idle, {**RUNS, "name": "other"}, status=400)
+    assert [it["name"] for it in idle.get("/actions")["rules"]] == ["runs"]
+    assert [it.name for it in idle.dashboard.actions.loaded.rules] == ["runs"]
 
 
 def test_a_name_stands_for_one_rule(shared_idle):

@@ -98,13 +98,21 @@ class SessionActions:
         A file with a mistake, whose rules are not in use, is kept as `actions.toml.broken`.
         """
         with self._saving:
-            self._use(actions)
-            with naming_file(self.path):
-                self.path.parent.mkdir(parents=True, exist_ok=True)
-                if self.problem is not None and self.path.exists():
-                    self.path.replace(self.path.with_name(f"{self.path.name}.broken"))
-                save(self.path, actions_toml(actions))
+            watch, runner = self._made(actions)
+            try:
+                self._keep(actions)
+            except BaseException:
+                runner.close()
+                raise
+            self._change(actions, watch, runner)
             self.problem = None
+
+    def _keep(self, actions: LoadedActions) -> None:
+        with naming_file(self.path):
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+            if self.problem is not None and self.path.exists():
+                self.path.replace(self.path.with_name(f"{self.path.name}.broken"))
+            save(self.path, actions_toml(actions))
 
     def close(self) -> None:
         """End the connections to a broker and to webhooks; may take seconds."""
@@ -112,18 +120,31 @@ class SessionActions:
 
     def _use(self, actions: LoadedActions, acted: ConditionWatch | None = None) -> None:
         """Use these rules; those of `acted` don't act once more."""
+        watch, runner = self._made(actions)
+        self._change(actions, watch, runner, acted)
+
+    def _made(self, actions: LoadedActions) -> tuple[ConditionWatch | None, ActionRunner]:
         catalog = self._catalog()
         watch = ConditionWatch(actions.acting, catalog) if actions.acting else None
-        runner = ActionRunner(
-            actions, catalog, self.hands, self._failed, lambda: self._connection.later
-        )
-        before, self._runner = self._runner, runner
-        with self._following:
+        return watch, ActionRunner(actions, catalog, self.hands, self._failed, self._later)
+
+    def _change(
+        self,
+        actions: LoadedActions,
+        watch: ConditionWatch | None,
+        runner: ActionRunner,
+        acted: ConditionWatch | None = None,
+    ) -> None:
+        with self._following:  # a rule is done by the runner that has its address
             if watch is not None and acted is not None:
                 watch.take_over(acted)
+            before, self._runner = self._runner, runner
             self._watch, self.loaded = watch, actions
         if before is not None:
             before.close()
+
+    def _later(self) -> float:
+        return self._connection.later
 
     @property
     def hands(self) -> Hands:
@@ -139,21 +160,22 @@ class SessionActions:
 
     def add_event(self, event: Event) -> None:
         """Follow an event of the session; in the sampling thread."""
-        watch, runner = self._watch, self._runner
-        if watch is None or runner is None:
-            return
         with self._following:
-            acting = watch.follow(event)
+            runner = self._runner
+            if self._watch is None or runner is None:
+                return
+            acting = self._watch.follow(event)
         for fired in acting:
             self._perform(fired, runner)
 
     def perform(self, rule: ActionRule) -> None:
         """Do what a rule in use says, now, as a trial: but for the recording."""
-        runner = self._runner
-        if runner is not None:
-            now = self._connection.now()
-            with self._following:
-                values = self._watch.values(rule) if self._watch else {}
+        now = self._connection.now()
+        with self._following:
+            runner = self._runner
+            values = self._watch.values(rule) if self._watch else {}
+            is_used = rule in self.loaded.rules
+        if runner is not None and is_used:
             self._perform(Fired(rule, now, now, values), runner, trial=True)
 
     def _perform(self, fired: Fired, runner: ActionRunner, *, trial: bool = False) -> None:
