@@ -149,6 +149,25 @@ def test_moments_of_a_meter_are_found_live_and_recorded(idle):
     assert idle.put("/searches", wrong, 400)["code"] == "UnknownParameter"
 
 
+def test_a_kept_condition_does_not_keep_others_from_being_saved_while_its_meter_is_away(tmp_path):
+    text = {"en": "Boost", "ru": "Наддув"}
+    gauge = {
+        "text": text,
+        "patterns": ["{BOOST_BAR}"],
+        "channels": [{"name": "BOOST_BAR", "text": text}],
+    }
+    boost = {"name": "", "expression": "BOOST_BAR > 1"}
+    with rig(tmp_path, None) as it:
+        it.put("/instruments/definitions/gauge", gauge)
+        it.post("/instruments", {"definition": "gauge", "port": "/dev/ttyUSB9"})
+        it.put("/searches", {"searches": [boost]})
+        it.delete("/instruments/gauge")
+        more = {"searches": [boost, {"name": "", "expression": "FREQ > 1"}]}
+        assert it.put("/searches", more) == more
+        new = {"searches": [{"name": "", "expression": "BOOST_BAR > 2"}]}
+        assert it.put("/searches", new, 400)["code"] == "UnknownParameter"
+
+
 def test_a_channel_of_ones_own_is_computed_from_a_meter_and_the_unit(idle):
     idle.post("/instruments", METER)
     until_value(idle, "LAMBDA")

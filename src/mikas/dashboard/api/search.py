@@ -146,9 +146,14 @@ def _searches(dashboard: Dashboard) -> SearchList:
 
 @router.put("/searches", responses=errors())
 def write_searches(dashboard: TheDashboard, _: KnownClient, body: SearchList) -> SearchList:
-    """Replace the user's conditions, all or none; each must be a formula of the catalog."""
+    """Replace the user's conditions, all or none; each must be a formula of the catalog.
+
+    Those that were kept stay, also while the instrument of one is away.
+    """
+    before = {kept.expression for kept in _searches(dashboard).searches}
     for kept in body.searches:
-        _check(dashboard.formula_catalog, kept.expression)
+        if kept.expression not in before:
+            _check(dashboard.formula_catalog, kept.expression)
     with dashboard.saving:
         search_file(dashboard).save([kept.model_dump() for kept in body.searches])
     return _searches(dashboard)
