@@ -12,8 +12,8 @@ import json
 import sys
 import time
 
-import car_at_ports
-from car_at_ports import DESKTOP, GPS, METER, PHONE, Tab, ask
+import served_car
+from served_car import DESKTOP, GPS, METER, PHONE, Tab, ask
 
 SECONDS = 240  # of the drive that is recorded: a trip of more than a kilometre
 SETTLED = 25  # s at warm idle: the small lines on the gauges have a course
@@ -165,12 +165,12 @@ def add(meter: str, gps: str) -> None:
 
 def main(wanted: list[str]) -> None:
     """Take all pictures, or those that are named."""
-    with car_at_ports.program_at_ports("city"):
+    with served_car.program_at_ports("city"):
         add(METER, GPS)
-        with car_at_ports.tabs(wanted) as tabs:
+        with served_car.tabs(wanted) as tabs:
             for tab in tabs:
                 card(tab)
-    with car_at_ports.program("city"):
+    with served_car.program("city"):
         add("sim:", "sim:")
         ask("/control/take", {"force": True})
         ask("/presets", {"presets": [PRESET]}, "PUT")
@@ -179,19 +179,19 @@ def main(wanted: list[str]) -> None:
         ask("/control/release")
         time.sleep(SECONDS)  # the real program drives in real time: charts are to be full
         for size, shown in ((DESKTOP, (instruments, actions)), (PHONE, (on_a_phone,))):
-            with car_at_ports.tabs(wanted, size) as tabs:
+            with served_car.tabs(wanted, size) as tabs:
                 for tab in tabs:
                     prepare(tab)
                     for each in shown:
                         each(tab)
         ask("/control/take", {"force": True})
         ask("/recording/stop")
-        with car_at_ports.tabs(wanted) as tabs:
+        with served_car.tabs(wanted) as tabs:
             for tab in tabs:
                 trip(tab)
-    with car_at_ports.program("warm-idle"):
+    with served_car.program("warm-idle"):
         time.sleep(SETTLED)  # real time, too
-        with car_at_ports.tabs(wanted) as tabs:
+        with served_car.tabs(wanted) as tabs:
             for tab in tabs:
                 writing(tab)
                 setting_co(tab)

@@ -10,8 +10,8 @@ import sys
 import time
 from typing import Any
 
-import car_at_ports
-from car_at_ports import DESKTOP, PHONE, ask
+import served_car
+from served_car import DESKTOP, PHONE, ask
 
 WHERE = "connection/survey"
 RPM = 880  # of the virtual car at idle
@@ -34,7 +34,7 @@ def photograph(name: str, wanted: list[str], there: str) -> None:
     """Take the picture in both languages; that of a step on a phone, too."""
     phone = [(PHONE, "phone-")] if name == "survey-start" else []
     for size, beginning in ((DESKTOP, ""), *phone):
-        with car_at_ports.tabs(wanted, size) as tabs:
+        with served_car.tabs(wanted, size) as tabs:
             for tab in tabs:
                 tab.show(WHERE)
                 tab.page.locator(there).first.wait_for()
@@ -43,7 +43,7 @@ def photograph(name: str, wanted: list[str], there: str) -> None:
 
 def main(wanted: list[str]) -> None:
     """Go through the survey, and take its pictures."""
-    with car_at_ports.program_at_ports("survey"):
+    with served_car.program_at_ports("survey"):
         photograph("survey-before", wanted, "#screen .facts")
         if wanted and all(name.endswith("survey-before") for name in wanted):
             return

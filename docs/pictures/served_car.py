@@ -1,8 +1,8 @@
-"""A virtual car at ports, the program that reads it, and a tab that shows it: as with a real car.
+"""A virtual car, the program that reads it, and tabs that show it: as with a real car.
 
-The unit, a λ meter and a GPS receiver are at a port each (Linux, macOS), or in the program itself,
-where a busy computer leaves no gaps. The program keeps nothing of the user's own. Chromium has to
-be installed; it runs only while a tab is shown.
+The car is in the program itself, where a busy computer leaves no gaps, or its unit, a λ meter and a
+GPS receiver are at a port each (Linux, macOS). The program keeps nothing of the user's own.
+Chromium has to be installed; it runs only while a tab is shown.
 """
 
 from __future__ import annotations
@@ -25,6 +25,7 @@ FOLDER = Path(__file__).parent
 LOCALES = {"en": "en-GB", "ru": "ru-RU"}
 DESKTOP = ViewportSize(width=1280, height=720)
 PHONE = ViewportSize(width=390, height=844)
+LYING = ViewportSize(width=844, height=390)
 PORT = 8077
 ADDRESS = f"http://127.0.0.1:{PORT}"
 CLIENT = "pictures-0002"
@@ -35,11 +36,16 @@ UNIT, METER, GPS = (str(WORK / name) for name in ("ttyUSB0", "ttyUSB1", "ttyUSB2
 
 @contextmanager
 def program(scenario: str) -> Iterator[None]:
-    """Run the program with a virtual car in this scenario in it."""
+    """Run the program with a virtual car in it. `scenario`: with options, as `city&faults=17`."""
     shutil.rmtree(WORK, ignore_errors=True)
     WORK.mkdir()
-    with _dashboard(f"sim:?scenario={scenario}"):
+    with _dashboard(car(scenario)):
         yield
+
+
+def car(scenario: str) -> str:
+    """Return the port of a virtual car in the program itself."""
+    return f"sim:?scenario={scenario}"
 
 
 @contextmanager
@@ -49,15 +55,15 @@ def program_at_ports(scenario: str) -> Iterator[None]:
     WORK.mkdir()
     beside = ["--instrument", "aem", "--instrument", "nmea"]
     served = [*MIKAS, "sim", "--scenario", scenario, *beside]
-    with subprocess.Popen(served, stdout=subprocess.PIPE, text=True) as car:
-        assert car.stdout
+    with subprocess.Popen(served, stdout=subprocess.PIPE, text=True) as sim:
+        assert sim.stdout
         try:
             for link in (UNIT, METER, GPS):
-                Path(link).symlink_to(car.stdout.readline().strip().rpartition("=")[2])
+                Path(link).symlink_to(sim.stdout.readline().strip().rpartition("=")[2])
             with _dashboard(UNIT):
                 yield
         finally:
-            car.terminate()
+            sim.terminate()
 
 
 @contextmanager
