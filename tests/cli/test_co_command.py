@@ -94,6 +94,29 @@ def test_nothing_is_written_without_a_yes_or_warm_idle(mikas, bench):
     assert list(mikas.home.glob("state/mikas/journal.jsonl")) == []
 
 
+def test_an_engine_that_leaves_idle_before_the_first_figure_is_seen(mikas, monkeypatch):
+    """A person may stand at the analyser for minutes."""
+    raw, has_asked = EngineCar.raw, []
+
+    class Person:
+        def isatty(self):
+            return True
+
+        def readline(self):
+            has_asked.append(True)
+            return "2.0\n"
+
+    def revved(self, code, now):
+        return b"\x40" if code == 0x29 and has_asked else raw(self, code, now)
+
+    monkeypatch.setattr("sys.stdin", Person())
+    monkeypatch.setattr(EngineCar, "raw", revved)
+    ran = mikas("co", "--target", "0.8", "--yes", sim=IDLE)
+    assert ran.status == 6
+    assert "the engine turns at 2560 rpm, not at idle" in ran.err
+    assert list(mikas.home.glob("state/mikas/journal.jsonl")) == []
+
+
 def test_the_end_of_input_ends_it_and_says_how_to_put_back(mikas):
     mikas.answers("2.0\n")
     ran = mikas("co", "--target", "0.8", "--yes", sim=IDLE)
@@ -105,6 +128,8 @@ def test_a_wrong_figure_and_no_terminal_are_refused_before_a_port_is_opened(mika
     for words, problem in (
         (("--target", "20"), "from 0 to 15"),
         (("--target", "0.8", "--lambda", "--measured", "0.1"), "from 0.5 to 2"),
+        (("--target", "0.8", "--within", "1.1"), "near enough is up to 1"),
+        (("--target", "0.98", "--within", "0.2", "--lambda"), "near enough is up to 0.1"),
         (("--target", "0.8"), "--measured"),
         ((), "--target is missing"),
     ):

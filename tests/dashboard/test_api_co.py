@@ -98,6 +98,8 @@ def test_a_cold_engine_and_impossible_figures_are_refused(tmp_path):
         assert it.post("/co/step", asked)["problems"]
         error = it.post("/co/step", {**asked, "meter": "lambda", "figures": [0.2]}, 400)
         assert "from 0.5 to 2" in error["en"]
+        error = it.post("/co/step", {**asked, "within": 1.5}, 400)
+        assert "up to 1" in error["en"]
         it.post("/co/step", {**asked, "figures": []}, 400)
         it.post("/co/step", {**asked, "found": "xyz"}, 400)
 

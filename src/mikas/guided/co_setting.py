@@ -33,6 +33,8 @@ BOUNDS: Final = {MixtureMeter.CO: (0.0, 15.0), MixtureMeter.LAMBDA: (0.5, 2.0)}
 """The figures that such a meter can show."""
 WITHIN: Final = {MixtureMeter.CO: 0.2, MixtureMeter.LAMBDA: 0.015}
 """How near to the goal is near enough, if the person does not say."""
+WIDEST: Final = {MixtureMeter.CO: 1.0, MixtureMeter.LAMBDA: 0.1}
+"""The widest that a person may say: beyond it any mixture would do."""
 _GAIN: Final = {MixtureMeter.CO: 0.1, MixtureMeter.LAMBDA: 0.0039}
 """Richer by so much with a step, before the meter has said how much it is."""
 _SEEN: Final = {MixtureMeter.CO: 0.1, MixtureMeter.LAMBDA: 0.005}

@@ -16,6 +16,7 @@ from mikas.errors import NotConfirmed, usage_error
 from mikas.guided.co_conditions import CHANNEL, NEEDED, idle_problems, not_kept
 from mikas.guided.co_setting import (
     BOUNDS,
+    WIDEST,
     WITHIN,
     CoOutcome,
     CoSetting,
@@ -91,6 +92,11 @@ def co(
     for name, figure in (("--target", target), ("--measured", measured)):
         if figure is not None and not _is_possible(figure, meter):
             raise _impossible(name, figure, meter)
+    if within is not None and within > WIDEST[meter]:
+        raise usage_error(
+            f"--within {within:g}: near enough is up to {WIDEST[meter]:g}",
+            f"--within {within:g}: достаточная точность — до {WIDEST[meter]:g}",
+        )
     if measured is None and not sys.stdin.isatty():
         raise usage_error(
             "There is no terminal to ask for the meter's figure at; give it by --measured",
@@ -125,7 +131,7 @@ class _Adjusting:
         try:
             while True:
                 figure = self._asked() if measured is None else measured
-                if self.steps:
+                if measured is None:  # it may have taken minutes
                     self._check_held()
                     _check_idle(self.ecu)
                 step = self.setting.next(figure)

@@ -22,6 +22,7 @@ from mikas.guided.co_conditions import CHANNEL, NEEDED, idle_problems, not_kept
 from mikas.guided.co_setting import (
     BOUNDS,
     MOST_WRITES,
+    WIDEST,
     WITHIN,
     CoOutcome,
     CoSetting,
@@ -107,6 +108,11 @@ async def co(dashboard: TheDashboard, _: Controller) -> CoResponse:
 async def step(dashboard: TheDashboard, _: Controller, body: CoStepRequest) -> CoStepResponse:
     """Return what to do with the meter's last figure; reads the unit, and changes nothing."""
     _check(body.meter, [body.target, *body.figures])
+    if body.within is not None and body.within > WIDEST[body.meter]:
+        most = f"{WIDEST[body.meter]:g}"
+        raise BadRequest(
+            problem=Text(f"near enough is up to {most}", f"достаточная точность — до {most}")
+        )
     parameter = dashboard.catalog.parameter(CHANNEL)
     found = int(body.found, 16)
     setting = CoSetting(found, body.target, body.within or WITHIN[body.meter], body.meter)
