@@ -256,8 +256,10 @@ _MEMORY = Text(
     "блоки памяти попадут, только если можно сохранить и тексты паспортов.",
 )
 _PASSPORTS = Text(
-    "May the texts of the unit's passports be in the file (part number, date of the program)?",
-    "Можно ли сохранить в файле тексты паспортов блока (номер, дата программы)?",
+    "May the texts of the unit's passports be in the file (part number, date of the program, "
+    "perhaps the unit's serial number)?",
+    "Можно ли сохранить в файле тексты паспортов блока (номер, дата программы, возможно, серийный "
+    "номер блока)?",
 )
 _SAVE = Text("Save it as {out}?", "Сохранить в {out}?")
 _WRITING = Text("write {out}", "записать {out}")

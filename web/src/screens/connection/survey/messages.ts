@@ -20,7 +20,7 @@ export const t = dictionary({
   engine: { en: "I can start the engine here", ru: "Двигатель здесь можно пустить" },
   engine_more: { en: "Outdoors, neutral, handbrake. Without it a part stays open.", ru: "На улице, нейтраль, ручной тормоз. Без пуска часть вопросов останется." },
   passports: { en: "Keep the texts of the unit's passports", ru: "Сохранить тексты паспортов блока" },
-  passports_more: { en: "Part number and date of the program. The car is not in them as far as we know.", ru: "Номер блока и дата программы. Данных о машине там, насколько известно, нет." },
+  passports_more: { en: "Part number and date of the program, perhaps the unit's serial number. The car is not in them as far as we know.", ru: "Номер блока и дата программы, возможно, серийный номер блока. Данных о машине там, насколько известно, нет." },
   memory: { en: "Read memory, too", ru: "Читать и память" },
   memory_more: {
     en: "Reading alone. How a real unit takes these commands is not known; leave it off if in doubt. Its blocks are in the file only if passports may be.",
@@ -89,5 +89,4 @@ export const t = dictionary({
   send: { en: "Send it with an issue on GitHub:", ru: "Отправьте его, приложив к обращению на GitHub:" },
   issues: { en: "github.com/mikas-diagnostics/mikas/issues", ru: "github.com/mikas-diagnostics/mikas/issues" },
   send_phone: { en: "Shared from a phone it is called .zip.txt; send it as it is.", ru: "С телефона он уйдёт с именем .zip.txt; так и отправляйте." },
-  again: { en: "Another unit", ru: "Другой блок" },
 });
