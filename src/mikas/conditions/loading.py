@@ -8,7 +8,7 @@ the program's instruments come and go: then the rule rests, and the others act.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from string import Formatter
@@ -41,6 +41,12 @@ _NO_BROKER: Final = Text(
     'нужен адрес брокера: [mqtt] с broker = "mqtt://HOST"',
 )
 _BRACES: Final = Text("has a single brace", "содержит одиночную скобку")
+_NAME_ALONE: Final = Text(
+    "has braces with other things than a channel's name: write {TWAT}, which gives the value with "
+    "the digits and the unit of the channel",
+    "содержит в скобках не только имя канала: пишите {TWAT}, значение подставится с единицей и "
+    "точностью канала",
+)
 _LONG: Final = Text(f"is longer than {LONGEST_WORDS} characters", f"длиннее {LONGEST_WORDS} знаков")
 
 
@@ -176,9 +182,19 @@ class _Builder:
             except ValueError:
                 raise self._source.wrong(path, _BRACES) from None
             for _, name, form, conversion in fields:
-                if form or conversion or name not in condition.inputs:
-                    raise self._source.wrong(path, does_not_exist(str(name), condition.inputs))
+                if not name or form or conversion:
+                    raise self._source.wrong(path, _NAME_ALONE)
+                if name not in condition.inputs:
+                    raise self._source.wrong(path, _not_in_condition(name, condition.inputs))
         return text
+
+
+def _not_in_condition(name: str, inputs: Sequence[str]) -> Text:
+    there = ", ".join(f"{{{each}}}" for each in inputs)
+    return Text(
+        f"names {name}, which is not in `when`; there are: {there}",
+        f"имени {name} нет в `when`; есть: {there}",
+    )
 
 
 _WORDS: Final = frozenset({"mark", "speak"})
