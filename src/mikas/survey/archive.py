@@ -20,7 +20,7 @@ from mikas.files import open_regular
 from mikas.files.archives import Archive
 from mikas.i18n import Text
 from mikas.survey.answers import SurveyAnswer
-from mikas.virtual.unit_files import SAVED
+from mikas.virtual.unit_profile import SAVED
 
 __all__ = ["SurveyFile", "read_survey"]
 

@@ -10,17 +10,11 @@ from mikas.cleaning import clean_json
 from mikas.errors import UsageError, naming_file, usage_error
 from mikas.files import open_regular, too_large
 from mikas.files.archives import Archive
-from mikas.i18n import Text
-from mikas.virtual.unit_profile import UnitProfile
+from mikas.virtual.unit_profile import SAVED, UnitProfile
 
 MEMBER: Final = "unit.json"
 MOST_BYTES: Final = 4 << 20
 """Bytes of `unit.json`; 256 codes with as many samples each have less than 1 MB."""
-SAVED: Final = Text(
-    "it must be the ZIP that “mikas survey -o FILE.zip” has saved",
-    "нужен ZIP, который сохранила «mikas survey -o ФАЙЛ.zip»",
-)
-"""What an archive must be that has a unit's profile."""
 _ZIP: Final = b"PK"  # the begin of every part of an archive
 
 
