@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -10,6 +11,7 @@ from mikas.survey.concluding.codes import moves_of
 from mikas.survey.concluding.streams import slope_of
 from mikas.survey.steps.checksums import listed_codes
 from mikas.survey.steps.greatest import MOST, CountedResponse, greatest
+from mikas.survey.steps.streams import rate_of
 
 FORMS = st.sampled_from(["short", "01", "silent", "other"])
 
@@ -90,6 +92,22 @@ def test_what_a_code_follows():
     assert follows([49, 49], [49, 49], [50, 50]) == "other"  # one step in minutes
     assert follows([80, 80], [81, 84], [83, 85]) == "other"  # a temperature that drifts
     assert follows([1, 9], [3, 8], [2, 7]) == "other"
+
+
+@given(st.floats(0.02, 0.5), st.integers(3, 26), st.sampled_from(["lost", "doubled"]))
+def test_a_response_that_the_line_loses_or_doubles_changes_no_rate(period, place, trouble):
+    times = [place * period for place in range(30)]
+    spoiled = [*times[:place], *times[place + 1 :]]
+    if trouble == "doubled":
+        spoiled = sorted([*times, times[place] + period / 10])
+    assert rate_of(spoiled, 0.0) == pytest.approx(1 / period, rel=0.01)
+
+
+def test_cycles_that_the_unit_itself_skips_are_in_its_rate():
+    times = [cycle * 0.1 for cycle in range(30) if cycle % 3]
+    assert rate_of(times, 0.0) == pytest.approx(20 / 3, rel=0.05)
+    assert rate_of([5.0] * 9, 0.0) is None  # a link that hands all over at once
+    assert rate_of([1.0, 2.0], 0.0) is None
 
 
 @given(st.floats(-5, 5), st.floats(-5, 5))

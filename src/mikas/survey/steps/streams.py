@@ -135,11 +135,10 @@ def _stroke(
     if not items and len(codes) > 1:  # a unit may take one code only
         codes = codes[:1]
         items = _items(unit, c.StreamAtStroke(_data(unit, codes), stroke), seconds)
-    rate = None
-    if len(items) > 2:
-        periods = _periods(items)
-        rate = round(1 / _mean(unit, periods, periods), 4)
-    found[f"{code:02X}"] = {"rate": rate, "rpm": _rpm(codes, items)}
+    found[f"{code:02X}"] = {
+        "rate": rate_of([item.time for item in items], unit.tester.link.granularity),
+        "rpm": _rpm(codes, items),
+    }
 
 
 def _items(
@@ -172,25 +171,32 @@ def _gap(unit: SurveyedUnit, items: Sequence[StreamItem]) -> float:
     A mean, for a link that hands bytes over together shows no single pause.
     """
     byte_time = unit.tester.link.byte_time
-    periods = _periods(items)
+    periods = _periods([item.time for item in items])
     gaps = [
         period - len(encode(item.body)) * byte_time
         for item, period in zip(items, periods, strict=False)
     ]
-    return round(max(0.0, _mean(unit, gaps, periods)), 7)
+    return round(max(0.0, _mean(gaps, periods, unit.tester.link.granularity)), 7)
 
 
-def _periods(items: Sequence[StreamItem]) -> list[float]:
-    return [following.time - item.time for item, following in pairwise(items)]
+def rate_of(times: Sequence[float], granularity: float) -> float | None:
+    """Return the responses in a second, by their times; None: too few, or all at once."""
+    periods = _periods(times)
+    mean = _mean(periods, periods, granularity) if len(periods) > 1 else 0.0
+    return round(1 / mean, 4) if mean > 0 else None
 
 
-def _mean(unit: SurveyedUnit, times: Sequence[float], periods: Sequence[float]) -> float:
+def _periods(times: Sequence[float]) -> list[float]:
+    return [following - time for time, following in pairwise(times)]
+
+
+def _mean(times: Sequence[float], periods: Sequence[float], granularity: float) -> float:
     """Return the mean of `times` of a stream with these `periods`.
 
     Those beside a response that the line has lost or doubled are left out, as far as they are
     few: many are the unit's own.
     """
-    usual, apart = median(times), median(periods) / 4 + unit.tester.link.granularity
+    usual, apart = median(times), median(periods) / 4 + granularity
     near = [time for time in times if abs(time - usual) <= apart]
     return fmean(near if len(near) >= _USUAL * len(times) else times)
 
