@@ -101,6 +101,15 @@ def test_a_lost_byte_costs_an_innovate_two_packets_at_most(lost: int) -> None:
     assert len(found) >= 2
 
 
+def test_minutes_are_the_two_digits_before_the_point() -> None:
+    """Not what follows two digits: 807.038 without its zero was 80° 7.038′."""
+    line = sentence("GPRMC,1,A,807.038,N,131.000,W,0,,230394,,")
+    assert values("nmea", line) == [{"GPS_LAT": 8.1173, "GPS_LON": -1.516667, "GPS_SPEED": 0.0}]
+    for wrong in ("-4807.038", "+4807.038", "07.038", "7.038", "4860.000", "48-7.038", "48", ""):
+        line = sentence(f"GPRMC,1,A,{wrong},N,01131.000,E,0,,230394,,")
+        assert reasons("nmea", line) == ["not understood"], wrong
+
+
 def test_a_receiver_sends_position_speed_and_altitude() -> None:
     rmc = b"$GPRMC,123519,A,4807.038,N,01131.000,E,022.4,084.4,230394,003.1,W*6A\r\n"
     gga = b"$GPGGA,123519,4807.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,*47\r\n"

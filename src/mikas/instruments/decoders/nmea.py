@@ -76,16 +76,18 @@ def _position(words: list[str]) -> dict[str, float]:
     """Return latitude and longitude of `4807.038,N,01131.000,E`."""
     latitude, north, longitude, east = words
     return {
-        "GPS_LAT": _degrees(latitude, 2) * {"N": 1, "S": -1}.get(north, 1000),
-        "GPS_LON": _degrees(longitude, 3) * {"E": 1, "W": -1}.get(east, 1000),
+        "GPS_LAT": _degrees(latitude) * {"N": 1, "S": -1}.get(north, 1000),
+        "GPS_LON": _degrees(longitude) * {"E": 1, "W": -1}.get(east, 1000),
     }
 
 
-def _degrees(text: str, digits: int) -> float:
-    minutes = _number(text[digits:])
-    if not 0 <= minutes < 60:
+def _degrees(text: str) -> float:
+    """Return `4807.038` in degrees: two digits before the point are minutes, padded or not."""
+    place = len(text.partition(".")[0]) - 2
+    degrees = text[: max(place, 0)]
+    if not degrees.isdecimal() or (minutes := _number(text[place:])) >= 60:
         raise ValueError(text)
-    return int(text[:digits]) + minutes / 60
+    return int(degrees) + minutes / 60
 
 
 def _number(text: str) -> float:
