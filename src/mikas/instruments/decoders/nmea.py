@@ -85,7 +85,7 @@ def _degrees(text: str) -> float:
     """Return `4807.038` in degrees: two digits before the point are minutes, padded or not."""
     place = len(text.partition(".")[0]) - 2
     degrees = text[: max(place, 0)]
-    if not degrees.isdecimal() or (minutes := _number(text[place:])) >= 60:
+    if not degrees.isdecimal() or not 0 <= (minutes := _number(text[place:])) < 60:
         raise ValueError(text)
     return int(degrees) + minutes / 60
 
