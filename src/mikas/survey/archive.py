@@ -20,7 +20,6 @@ from mikas.files import open_regular
 from mikas.files.archives import Archive
 from mikas.i18n import Text
 from mikas.survey.answers import SurveyAnswer
-from mikas.virtual.unit_profile import SAVED
 
 __all__ = ["SurveyFile", "read_survey"]
 
@@ -74,6 +73,8 @@ def archive(content: SurveyFile, readme: str) -> bytes:
 
 def read_survey(path: Path) -> SurveyFile:
     """Read a survey's ZIP. Raises `UsageError` with the file and its fault."""
+    from mikas.virtual.unit_profile import SAVED  # the page writes surveys, and reads none
+
     with naming_file(path), open_regular(path) as file:
         packed = Archive(file, SAVED)
         members = {name: packed.read(name, most) for name, most in _MEMBERS.items()}
