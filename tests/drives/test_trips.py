@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import fields
 from itertools import pairwise
+from math import cos, radians
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from mikas.drives import Trip, joined_trips, since_mark, trips
 from mikas.drives.curves import SampledCurve, sampled_curve
 from mikas.drives.finding import drives_of
 from mikas.drives.measuring import DriveCurves
+from mikas.drives.ways import way_of
 from mikas.drives.wording import NO_FUEL, NO_SPEED, SHORT, left_out
 from mikas.errors import UsageError
 from mikas.i18n import Text
@@ -219,3 +221,14 @@ def test_left_out_says_each_missing_sum_in_both_languages(tmp_path):
     assert "40 s of 90 s" in speed.en
     assert short is SHORT
     assert all(isinstance(each, Text) and each.ru for each in (fuel, speed))
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_way_over_the_180th_meridian_is_one_line(tmp_path, sign):
+    """As that from Egvekinot: it was drawn around the Earth."""
+    degrees = [179.999, 179.9995, 180.0, -179.9995, -179.999]
+    road = [Road(1000.0 + at, 70, 66.0, sign * each) for at, each in enumerate(degrees)]
+    unit = [Unit(1000.0 + at, rpm=2000) for at in range(5)]
+    (way,) = way_of(recorded(tmp_path / "a.pcapng", Session(unit, road)), 0)
+    step = 0.0005 * 111_195 * cos(radians(66))
+    assert way.east.tolist() == pytest.approx([sign * step * at for at in range(5)], abs=0.01)

@@ -111,7 +111,9 @@ def stretches_of(
         return []
     there = np.isfinite(latitude.values) & np.isfinite(longitude.values)
     north = (latitude.values - home[0]) * _DEGREE
-    east = (longitude.values - home[1]) * (_DEGREE * cos(radians(home[0])))
+    turn = longitude.values - home[1]
+    turn = turn - 360.0 * (turn > 180.0) + 360.0 * (turn < -180.0)  # over the 180th meridian
+    east = turn * (_DEGREE * cos(radians(home[0])))
     values = (colour or _NOTHING).latest(latitude.times)
     return [
         WayStretch(latitude.times[run], east[run], north[run], values[run])
