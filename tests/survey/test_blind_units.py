@@ -15,6 +15,7 @@ from bench.blind_units import surveyed
         (4012, {"doubled": "0.02"}),
         (4023, {"late": "0.01"}),
         (5019, {"noise": "0.03"}),
+        (7009, {"lost": "0.02"}),
     ],
 )
 def test_a_bad_line_or_a_slow_adapter_makes_nothing_wrong(tmp_path, seed, trouble):

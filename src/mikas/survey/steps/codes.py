@@ -23,13 +23,15 @@ def scan(unit: SurveyedUnit, measured: Measured, person: Prompter) -> None:
     known = [*(datum.code for datum in COMMON), *(code for code, _ in unit.catalog.codes)]
     left = {code for code in range(0x100) if f"{code:02X}" not in found}
     order = dict.fromkeys([code for code in known if code in left])
-    _scan(unit, found, person, [*order, *sorted(left - order.keys())], slowest(measured))
+    with unit.hasty(slowest(measured)):
+        _scan(unit, found, person, [*order, *sorted(left - order.keys())])
 
 
 def scan_again(unit: SurveyedUnit, measured: Measured, person: Prompter) -> None:
     """Request the codes again that were silent or unclear: with the engine running some may come.
 
-    Without an engine it is their second request.
+    Without an engine it is their second request. Codes of the catalog that stay silent are asked
+    for without haste: the line may have lost both requests.
     """
     again = measured.setdefault("codes_again", {})
     left = [
@@ -39,7 +41,15 @@ def scan_again(unit: SurveyedUnit, measured: Measured, person: Prompter) -> None
     ]
     if left:  # the first one shows how the unit is to be asked
         known = [code for code in unit.sizes if unit.sizes[code] == 1][:1]
-        _scan(unit, again, person, [*known, *left], slowest(measured), once=True)
+        with unit.hasty(slowest(measured)):
+            _scan(unit, again, person, [*known, *left], once=True)
+        named = [code for code in left if unit.catalog.size_of(code) and _is_silent(again, code)]
+        if named:
+            _scan(unit, again, person, [*known, *named], once=True)
+
+
+def _is_silent(found: dict[str, Any], code: int) -> bool:
+    return bool(found[f"{code:02X}"]["answer"] == Answer.SILENT.value)
 
 
 def _scan(
@@ -47,22 +57,15 @@ def _scan(
     found: dict[str, Any],
     person: Prompter,
     codes: Sequence[int],
-    seconds: float,
     *,
     once: bool = False,
 ) -> None:
-    """Request `codes`; `seconds`: the longest turn-round so far, `once`: as of `Scan`."""
-    done = 0
-    with unit.hasty(seconds):
-        for each in Scan(unit.tester, codes, (), once=once).codes():
-            found[f"{each.code:02X}"] = {
-                "answer": each.answer.value,
-                "raw": each.raw.hex().upper(),
-            }
-            if each.answer is Answer.DATUM:
-                unit.sizes[each.code] = each.size
-            done += 1
-            person.progress(min(done, len(codes)), len(codes))
+    """Request `codes`; `once`: as of `Scan`."""
+    for done, each in enumerate(Scan(unit.tester, codes, (), once=once).codes(), 1):
+        found[f"{each.code:02X}"] = {"answer": each.answer.value, "raw": each.raw.hex().upper()}
+        if each.answer is Answer.DATUM:
+            unit.sizes[each.code] = each.size
+        person.progress(min(done, len(codes)), len(codes))
 
 
 def known_sizes(measured: Measured) -> dict[int, int]:

@@ -68,14 +68,21 @@ def _block(
     unit: SurveyedUnit, code: int, address: int, overhead: int, count: int
 ) -> CountedResponse:
     reply = unit.ask(bytes([code, *bytes(address), count]))
+    if reply is not None and not _is_of_block(reply.body, address) and reply.body != b"\x01":
+        return CountedResponse(0, "other")
     return CountedResponse.of(reply, count, overhead=overhead)
+
+
+def _is_of_block(body: bytes, address: int) -> bool:
+    """Whether a response repeats the address 0, as each of a block does (§3, D13)."""
+    return body.startswith(bytes(address))
 
 
 def _counted(unit: SurveyedUnit, code: int, address: int) -> bool | None:
     for count in _COUNTED:
         reply = unit.ask(bytes([code, *bytes(address), count]))
         beyond = -1 if reply is None else len(reply.body) - address - count
-        if reply is not None and beyond in (0, 1):
+        if reply is not None and beyond in (0, 1) and _is_of_block(reply.body, address):
             return beyond == 1 and reply.body[address] == count
     return None
 
