@@ -79,8 +79,8 @@ def inter_byte(measured: Measured) -> Conclusion:
     en, ru = milliseconds(max(usual, doubt, _FEW))
     if doubt > max(_CLOSE, usual * _SHARE):
         return is_open(
-            f"{en} at most: this adapter hands bytes over together, and the responses are short",
-            f"не больше {ru}: адаптер отдаёт байты пачками, а ответы коротки",
+            f"{en} at most, no closer by this adapter, which hands bytes over together",
+            f"не больше {ru}; точнее с этим адаптером не узнать: он отдаёт байты пачками",
         )
     if usual <= max(_FEW, doubt):
         return found(0.0, f"none longer than {en}", f"нет длиннее {ru}")
