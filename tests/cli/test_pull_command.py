@@ -36,12 +36,12 @@ def test_pull_says_what_it_needs(mikas, tmp_path):
     for wrong, problem in (
         ((), "--mass is missing"),
         (("--mass", "0"), "from 400 to 20000"),
-        (("--mass", "1.6"), "kg with driver"),
+        (("--mass", "1.6"), "Mass with driver and load, kg: 1.6"),
         (("--mass", "1e9"), "from 400 to 20000"),
-        (("--mass", "nan"), "from 400 to 20000"),
-        (("--mass", "1600", "--per-1000", "9999"), "km/h at 1000 rpm"),
+        (("--mass", "nan"), "it must be a number"),
+        (("--mass", "1600", "--per-1000", "9999"), "Speed at 1000 rpm, km/h: 9999"),
         (("--mass", "1600"), "--per-1000 KM/H"),
-        (("--mass", "1600", "--per-1000", "24", "--slope", "45"), "per cent"),
+        (("--mass", "1600", "--per-1000", "24", "--slope", "45"), "Slope, %: 45"),
     ):
         ran = mikas("pull", "a.pcapng", *wrong)
         assert ran.status == 2

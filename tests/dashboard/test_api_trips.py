@@ -212,5 +212,6 @@ def test_a_pull_has_power_and_torque_with_their_doubt(tmp_path):
         assert it.get("/recordings/idle.pcapng/pulls", **asked)["pulls"] == []
         error = it.get("/recordings/pull.pcapng/pulls", 400, mass=1000)
         assert "speed at 1000 rpm" in error["en"]
-        it.get("/recordings/pull.pcapng/pulls", 400, mass=0)
+        tonnes = it.get("/recordings/pull.pcapng/pulls", 400, mass=1.6, per_1000=36)
+        assert "from 400 to 20000" in tonnes["en"]
         it.get("/recordings/none.pcapng/pulls", 404, **asked)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections import defaultdict
-from math import pi
+from math import nan, pi
 from pathlib import Path
 
 import pytest
@@ -184,3 +185,21 @@ def test_wheels_that_spin_at_a_standstill_are_no_gear(tmp_path):
     road = [Road(at / 5, 0.0 if at < 40 else 30.0) for at in range(5, 56)]
     recording = recorded(tmp_path / "a.pcapng", Session(rise(1, 2000, 5000, 10), road))
     assert pulls(recording, PullSettings(1600)) == []
+
+
+@pytest.mark.parametrize(
+    ("figures", "said"),
+    [
+        (
+            {"mass": 1.6},
+            "load, kg: 1.6 is not possible; it must be from 400 to 20000",
+        ),
+        ({"mass": nan}, "Mass with driver and load, kg: nan is not possible"),
+        ({"mass": 1600, "per_1000": 0.024}, "Speed at 1000 rpm, km/h: 0.024 is not possible"),
+        ({"mass": 1600, "drag_area": 0}, "Drag area, m²: 0 is not possible"),
+        ({"mass": 1600, "slope": -3}, "Slope, %: −300 is not possible; it must be from −30 to 30"),
+    ],
+)
+def test_figures_that_no_car_has_are_refused(figures, said):
+    with pytest.raises(UsageError, match=re.escape(said)):
+        PullSettings(**figures)

@@ -19,6 +19,7 @@ from mikas.catalog.ignition_only import RUNNING
 from mikas.drives.curves import PAUSE, SampledCurve, sampled_curve
 from mikas.drives.finding import SPEED, instrument_curve, session_rows
 from mikas.errors import usage_error
+from mikas.i18n import Text
 from mikas.recording.exchanges.arrays import Floats
 
 if TYPE_CHECKING:
@@ -37,6 +38,8 @@ _BIN: Final = 250.0  # rpm of a row
 _FIT: Final = {"FREQ": 1.2, SPEED: 3.2}
 """Seconds over which the acceleration is fitted."""
 _MASS_DOUBT, _ROTATING_DOUBT, _SLOPE_DOUBT, _DRAG_DOUBT = 0.03, 0.04, 0.005, 0.15
+_MASSES, _GEAR_SPEEDS = (400.0, 20_000.0), (2.0, 80.0)
+_DRAG_AREAS, _SLOPES = (0.1, 20.0), (-30.0, 30.0)
 _SCALE_DOUBT: Final = {"FREQ": 0.02, SPEED: 0.005}
 
 
@@ -48,6 +51,8 @@ class PullSettings:
     `drag_area`: m², the front by its coefficient. `rolling`: of the weight. `slope`: of the road,
     up is positive; 0.01 is 1 %. `rotating`: the inertia of all that turns, as a factor of the mass;
     None: by the gear (1.04 + 0.0025 · ratio², Gillespie).
+
+    Raises `UsageError` for figures that no car and no road has: tonnes in place of kg.
     """
 
     mass: float
@@ -56,6 +61,28 @@ class PullSettings:
     rolling: float = 0.014
     slope: float = 0.0
     rotating: float | None = None
+
+    def __post_init__(self) -> None:
+        _check(
+            self.mass,
+            *_MASSES,
+            Text("Mass with driver and load, kg", "Масса с водителем и грузом, кг"),
+        )
+        if self.per_1000 is not None:
+            speed = Text("Speed at 1000 rpm, km/h", "Скорость при 1000 об/мин, км/ч")
+            _check(self.per_1000, *_GEAR_SPEEDS, speed)
+        _check(self.drag_area, *_DRAG_AREAS, Text("Drag area, m²", "Сопротивление воздуха, м²"))
+        _check(100 * self.slope, *_SLOPES, Text("Slope, %", "Уклон, %"))
+
+
+def _check(value: float, low: float, high: float, name: Text) -> None:
+    if low <= value <= high:
+        return
+    found, *ends = (f"{each:g}".replace("-", "−") for each in (value, low, high))
+    raise usage_error(
+        f"{name.en}: {found} is not possible; it must be from {ends[0]} to {ends[1]}",
+        f"{name.ru}: {found} не бывает; нужно от {ends[0]} до {ends[1]}",
+    )
 
 
 @dataclass(frozen=True, slots=True)

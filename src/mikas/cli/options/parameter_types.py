@@ -12,7 +12,7 @@ import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from itertools import islice
-from math import inf, nan
+from math import inf, isfinite, nan
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -32,9 +32,6 @@ if TYPE_CHECKING:
 else:
     _WordType = click.ParamType  # generic since click 8.4
 
-_LIGHTEST, _HEAVIEST = 400.0, 20_000.0  # kg
-_SLOWEST_GEAR, _FASTEST_GEAR = 2.0, 80.0  # km/h at 1000 rpm
-_STEEPEST: Final = 30.0  # % of a road
 _MOST_FILES: Final = 1000  # among which a misspelt name is looked for
 
 
@@ -119,33 +116,14 @@ def positive(text: str) -> float:
     )
 
 
-def _within(text: str, low: float, high: float, en: str, ru: str) -> float:
-    """Return the number of `text`, from `low` to `high`; `en`, `ru`: what it must be, in words."""
+def number(text: str) -> float:
+    """Return a number; a decimal comma is allowed."""
     value = _decimal(text)
-    if low <= value <= high:
+    if isfinite(value):
         return value
-    ends = (f"{low:.0f}".replace("-", "−"), f"{high:.0f}")
     raise _invalid(
-        f"“{text}” is not allowed; it must be {en}, from {ends[0]} to {ends[1]}.",
-        f"«{text}» не подходит; нужны {ru}, от {ends[0]} до {ends[1]}.",
+        f"“{text}” is not allowed; it must be a number.", f"«{text}» не подходит; нужно число."
     )
-
-
-def mass(text: str) -> float:
-    """Return the mass of a car in kg; a decimal comma is allowed."""
-    en, ru = "kg with driver and load", "килограммы с водителем и грузом"
-    return _within(text, _LIGHTEST, _HEAVIEST, en, ru)
-
-
-def gear_speed(text: str) -> float:
-    """Return a gear's speed at 1000 rpm in km/h; a decimal comma is allowed."""
-    en, ru = "km/h at 1000 rpm", "км/ч при 1000 об/мин"
-    return _within(text, _SLOWEST_GEAR, _FASTEST_GEAR, en, ru)
-
-
-def slope(text: str) -> float:
-    """Return the slope of a road, in per cent; a decimal comma is allowed."""
-    return _within(text, -_STEEPEST, _STEEPEST, "per cent", "проценты")
 
 
 def timeout(text: str) -> float:

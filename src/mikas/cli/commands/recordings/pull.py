@@ -10,9 +10,7 @@ from mikas.cli.click_extensions import argument, command, option
 from mikas.cli.completion.values import RECORDING, files
 from mikas.cli.context import CommandContext
 from mikas.cli.language import decimal, tr
-from mikas.cli.options.parameter_types import existing_file, gear_speed, positive
-from mikas.cli.options.parameter_types import mass as mass_of
-from mikas.cli.options.parameter_types import slope as slope_of
+from mikas.cli.options.parameter_types import existing_file, number
 from mikas.json_values import picked
 
 if TYPE_CHECKING:
@@ -38,7 +36,7 @@ _HORSE: Final = 0.73549875  # kW
 @argument("file", "FILE", type=existing_file, shell_complete=files(*RECORDING))
 @option(
     "--mass",
-    type=mass_of,
+    type=number,
     required=True,
     metavar="KG",
     en="mass of the car as it was driven; required",
@@ -46,14 +44,14 @@ _HORSE: Final = 0.73549875  # kW
 )
 @option(
     "--per-1000",
-    type=gear_speed,
+    type=number,
     metavar="KM/H",
     en="speed at 1000 rpm in the gear of the pull, in place of a GPS",
     ru="скорость при 1000 об/мин на передаче разгона, вместо GPS",
 )
 @option(
     "--drag-area",
-    type=positive,
+    type=number,
     metavar="M2",
     default="0.9",
     en="drag coefficient by front, m² (0.9)",
@@ -61,7 +59,7 @@ _HORSE: Final = 0.73549875  # kW
 )
 @option(
     "--slope",
-    type=slope_of,
+    type=number,
     metavar="PERCENT",
     default="0",
     en="of the road, up is positive (0)",
