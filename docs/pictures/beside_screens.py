@@ -186,6 +186,7 @@ def main(wanted: list[str]) -> None:
                         each(tab)
         ask("/control/take", {"force": True})
         ask("/recording/stop")
+        ask("/control/release")
         with served_car.tabs(wanted) as tabs:
             for tab in tabs:
                 trip(tab)

@@ -9,10 +9,16 @@ from mikas.survey import read_survey
 from .rig import dashboard
 
 
+def needs_no_scrolling(tab, name):
+    tab.page.set_viewport_size({"width": 1280, "height": 720})
+    expect(tab.button(name, exact=True)).to_be_in_viewport(ratio=1)
+
+
 def test_a_survey_outlives_a_reload_and_a_lost_cable_and_is_saved(chromium, tmp_path, visitor):
     with dashboard(tmp_path, scenario="survey") as own:
         tab = visitor(own.samples().url).show("connection")
         tab.find("#screen a:has-text('Have a look')").click()
+        needs_no_scrolling(tab, "Start")
         tab.find("#screen").get_by_label("I can start the engine here").uncheck()
         tab.find("#screen").get_by_label("Voltmeter at the battery").fill("12,4")
         tab.press("Start", exact=True)
@@ -45,6 +51,7 @@ def test_a_survey_outlives_a_reload_and_a_lost_cable_and_is_saved(chromium, tmp_
 
 def test_a_car_that_is_not_ready_is_waited_for(own, visitor):
     tab = visitor(own.url, locale="ru-RU").show("connection/survey")  # its engine runs
+    needs_no_scrolling(tab, "Начать")
     tab.press("Начать", exact=True)
     expect(tab.find(".acts .todo")).to_contain_text("двигатель ЗАГЛУШЕН")
     tab.press("Прервать", exact=True)
