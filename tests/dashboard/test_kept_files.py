@@ -179,7 +179,7 @@ def kept_results(folder, unit, *, virtual_units=True):
     file.write_text(json.dumps(kept), "utf-8")
     settings = SimpleNamespace(in_state=lambda _: folder, virtual_units=virtual_units)
     connection = SimpleNamespace(later=0.0, monitor=SimpleNamespace(unit=unit))
-    tests = GuidedTests(settings, connection, None, None, None)
+    tests = GuidedTests(settings, connection, None, None, None, None)
     return tests, file
 
 
