@@ -209,7 +209,8 @@ def drive_with_outages(
         off = [abs(it.time - sent.time) for it, sent in zip(kept, given, strict=True)]
         assert max(off) < 2e-6
     count = meter.outages.count
-    assert sum(loss_of(it) is not None for it in packets) == count
+    losses = [it.time for it in packets if loss_of(it) is not None]
+    assert len(losses) == count, losses
     lost = [it for it in changes if it.name == "aem" and it.state is InstrumentState.LOST]
     assert len(lost) == count
     assert all(it.reason for it in lost)

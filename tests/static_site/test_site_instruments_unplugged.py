@@ -207,7 +207,7 @@ def test_one_pulled_out_at_random_costs_the_unit_nothing(tab, sent_by_unit, inst
     assert all(each.pulled for each in instruments.values())
 
     beside, lost_beside = rate_and_lost(path, sent_by_unit)
-    assert beside == pytest.approx(rate, rel=0.05)
+    assert beside > 0.95 * rate
     assert lost_beside <= lost + 0.01
     for name, instrument in instruments.items():
         found, losses = connections(path, name)

@@ -19,6 +19,11 @@ MOST_BYTES: Final = 64 << 20
 """Bytes of a whole archive; a longer one is not looked into."""
 MOST_MEMBERS: Final = 64
 """Members of an archive."""
+SAVED: Final = Text(
+    "it must be the ZIP that “mikas survey -o FILE.zip” has saved",
+    "нужен ZIP, который сохранила «mikas survey -o ФАЙЛ.zip»",
+)
+"""What an archive must be that has a survey and its unit's profile."""
 
 _DIRECTORY: Final = 1 << 16  # bytes of the list of members; more is refused before it is read
 _END: Final = Struct("<4s4H2LH")  # the record at the end, which has that number

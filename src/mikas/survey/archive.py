@@ -17,7 +17,7 @@ from typing import Any, Final
 from mikas.cleaning import clean_json
 from mikas.errors import UsageError, naming_file, usage_error
 from mikas.files import open_regular
-from mikas.files.archives import Archive
+from mikas.files.archives import SAVED, Archive
 from mikas.i18n import Text
 from mikas.survey.answers import SurveyAnswer
 
@@ -73,8 +73,6 @@ def archive(content: SurveyFile, readme: str) -> bytes:
 
 def read_survey(path: Path) -> SurveyFile:
     """Read a survey's ZIP. Raises `UsageError` with the file and its fault."""
-    from mikas.virtual.unit_profile import SAVED  # the page writes surveys, and reads none
-
     with naming_file(path), open_regular(path) as file:
         packed = Archive(file, SAVED)
         members = {name: packed.read(name, most) for name, most in _MEMBERS.items()}

@@ -9,8 +9,8 @@ from typing import BinaryIO, Final
 from mikas.cleaning import clean_json
 from mikas.errors import UsageError, naming_file, usage_error
 from mikas.files import open_regular, too_large
-from mikas.files.archives import Archive
-from mikas.virtual.unit_profile import SAVED, UnitProfile
+from mikas.files.archives import SAVED, Archive
+from mikas.virtual.unit_profile import UnitProfile
 
 MEMBER: Final = "unit.json"
 MOST_BYTES: Final = 4 << 20

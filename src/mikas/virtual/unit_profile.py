@@ -20,14 +20,9 @@ from mikas.virtual.profiles.codes import CodeProfile, Moves, code_profile
 from mikas.virtual.profiles.form import WrongKey, code_text, code_texts, one_of, seconds, table_of
 from mikas.virtual.quirks import BadWrite, ChecksumForm, LongList, StreamEnd
 
-__all__ = ["SAVED", "CodeProfile", "Moves", "UnitProfile"]
+__all__ = ["CodeProfile", "Moves", "UnitProfile"]
 
 SCHEMA: Final = 1
-SAVED: Final = Text(
-    "it must be the ZIP that “mikas survey -o FILE.zip” has saved",
-    "нужен ZIP, который сохранила «mikas survey -o ФАЙЛ.zip»",
-)
-"""What an archive must be that has a unit's profile."""
 _LISTS: Final = {"61": "max_list_61", "64": "max_list_64", "71": "max_list_71"}
 _FASTEST: Final = 4.0  # responses in a turn of the engine
 
