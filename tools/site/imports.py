@@ -35,9 +35,6 @@ DESKTOP: Mapping[str, Mapping[str, str]] = MappingProxyType(
         "mikas/notebook/recording.py": {"mikas.notebook": _NOTEBOOK},
         "mikas/recording/exchanges/__init__.py": {"mikas.recording.exchanges.columns": _NUMPY},
         "mikas/replay/build.py": {"mikas.replay.routine": _NUMPY},
-        "mikas/survey/archive.py": {
-            "mikas.virtual.unit_profile": "to read a survey; the page only writes them",
-        },
         "mikas/virtual/build.py": {"mikas.virtual.met_unit": _UNIT},
         "mikas/virtual/serve.py": {"pty": "serves a virtual unit", "tty": "serves a virtual unit"},
     }
