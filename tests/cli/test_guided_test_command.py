@@ -8,6 +8,7 @@ import pytest
 
 from link_rig import registered
 from mikas.link import open_link
+from mixture_by_meter import MIXTURE
 from sampling.computer_harness import BEGAN, NIGHT, YEARS
 
 CAR = "duration = 999\n[start]\nambient = 12\n[condition]\ncoolant_sensor = 15\n"
@@ -151,29 +152,6 @@ def test_a_result_has_its_true_date_though_that_was_set_meanwhile(
     step, curve = result["steps"][0], result["curves"][0]
     for moment in (result["began"], result["ended"], step["began"], curve["times"][0]):
         assert moment == pytest.approx(BEGAN + seconds, abs=60)
-
-
-MIXTURE = """\
-title = { en = "Mixture", ru = "Смесь" }
-finds = { en = "a lean mixture", ru = "бедную смесь" }
-
-[step.idle]
-text = { en = "Let it idle", ru = "Дайте поработать" }
-until = "LAMBDA > 0.5 and FREQ > 500"
-hold = 2
-watch = ["LAMBDA", "FREQ"]
-
-[measure.mixture]
-text = { en = "mixture", ru = "смесь" }
-step = "idle"
-of = "LAMBDA"
-statistic = "mean"
-
-[rule.lean]
-when = "MIXTURE > 1.1"
-verdict = "attention"
-text = { en = "lean: {MIXTURE}", ru = "бедная: {MIXTURE}" }
-"""
 
 
 def test_a_test_of_ones_own_takes_the_meter_beside_the_unit(mikas, tmp_path, monkeypatch):

@@ -10,6 +10,7 @@ import mikas
 from dashboard.rig import OTHER, rig
 from mikas.guided.result import read
 from mikas.recording import CaptureReader, CaptureWriter
+from mixture_by_meter import MIXTURE
 
 CAR = "duration = 999\n[start]\nambient = 12\n[condition]\ncoolant_sensor = 15\n"
 WRONG = "title = 'x'\n[step.one]\ntext = 'x'\nholds = 1\n"
@@ -128,29 +129,6 @@ def test_a_test_over_a_recording_has_its_result(cold, tmp_path):
     assert none["why"]["en"] == "the recording has no values of UOZ, UOZOC, DET"
     cold.get("/recordings/drive.pcapng/tests/none", 404)
     cold.get("/recordings/none.pcapng/tests/sensors", 404)
-
-
-MIXTURE = """\
-title = { en = "Mixture", ru = "Смесь" }
-finds = { en = "a lean mixture", ru = "бедную смесь" }
-
-[step.idle]
-text = { en = "Let it idle", ru = "Дайте поработать" }
-until = "LAMBDA > 0.5 and FREQ > 500"
-hold = 2
-watch = ["LAMBDA", "FREQ"]
-
-[measure.mixture]
-text = { en = "mixture", ru = "смесь" }
-step = "idle"
-of = "LAMBDA"
-statistic = "mean"
-
-[rule.lean]
-when = "MIXTURE > 1.1"
-verdict = "attention"
-text = { en = "lean: {MIXTURE}", ru = "бедная: {MIXTURE}" }
-"""
 
 
 def test_a_test_that_names_lambda_waits_for_its_meter(tmp_path):

@@ -11,30 +11,10 @@ from mikas.guided.definition import GuidedTest
 from mikas.guided.engine import TestEngine
 from mikas.guided.loading import from_source, load
 from mikas.instruments.choosing import chosen_instruments
+from mixture_by_meter import MIXTURE
 
 CATALOG = shipped()
 LEFT = CATALOG.with_beside(chosen_instruments(["left:aem=sim:"], CATALOG)[0].channels)
-MIXTURE = """\
-title = { en = "Mixture", ru = "Смесь" }
-finds = { en = "a lean mixture", ru = "бедную смесь" }
-
-[step.idle]
-text = { en = "Let it idle", ru = "Дайте поработать" }
-until = "LAMBDA > 0.5 and FREQ > 500"
-hold = 2
-watch = ["LAMBDA", "FREQ"]
-
-[measure.mixture]
-text = { en = "mixture", ru = "смесь" }
-step = "idle"
-of = "LAMBDA"
-statistic = "mean"
-
-[rule.lean]
-when = "MIXTURE > 1.1"
-verdict = "attention"
-text = { en = "lean: {MIXTURE}", ru = "бедная: {MIXTURE}" }
-"""
 
 
 def mixture(text: str = MIXTURE, catalog=CATALOG) -> GuidedTest:

@@ -127,7 +127,7 @@ class _Builder:
         )
 
     def _needed(self, names: tuple[str, ...]) -> tuple[str, ...]:
-        """Return what is to be sampled: what is named, and what shows a unit without injection."""
+        """Return the channels to sample: those named, and those by which injection is seen."""
         needed = parameters_of(self._catalog, names)
         if DEAD.isdisjoint(needed) or SPEED not in needed:
             return needed
