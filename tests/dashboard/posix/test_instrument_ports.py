@@ -11,6 +11,16 @@ import pytest
 from dashboard.rig import rig
 from mikas.link import open_link
 
+# As "aem", but a value holds for ten seconds of the car's time, which runs twenty times as fast as
+# the pty's: a second of it is over before the next live message.
+LASTING = {
+    "text": {"en": "AEM wide-band gauge", "ru": "Широкополосный прибор AEM"},
+    "baud": 9600,
+    "patterns": ["{LAMBDA}"],
+    "stale": 10,
+    "channels": [],
+}
+
 
 class Meter:
     """A λ meter at a pty, whose name stays when it is unplugged."""
@@ -75,7 +85,8 @@ def until_state(car, meter, state, line=b""):
 
 
 def test_values_damage_a_loss_and_its_end(car, meter):
-    car.post("/instruments", {"definition": "aem", "port": meter.port})
+    car.put("/instruments/definitions/lasting", LASTING)
+    car.post("/instruments", {"definition": "lasting", "port": meter.port})
     until_state(car, meter, "values", b"1.02\r\n")
     assert car.opened == [f"{meter.port}?baud=9600"]
     assert car.get("/channels/LAMBDA/value")["value"] == pytest.approx(1.02)
