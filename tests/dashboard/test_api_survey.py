@@ -184,6 +184,26 @@ def test_what_was_measured_before_a_loss_is_saved_without_its_error(off):
     assert (saved["phase"], saved["error"]) == ("idle", None)
 
 
+def test_a_survey_that_ends_while_its_state_is_read_has_its_error(off, monkeypatch):
+    surveys = off.dashboard.surveys
+    off.cars.park(CAR, "/dev/ttyUSB7")
+    off.post("/survey/start", {"port": "/dev/ttyUSB7", "engine": False})
+    wait(off, step_is("codes"))
+    saved = surveys.saved
+
+    def lost_meanwhile():
+        off.cars.pull()
+        for _ in range(5000):
+            if surveys.runs:
+                threading.Event().wait(0.001)
+        return saved()
+
+    monkeypatch.setattr(surveys, "saved", lost_meanwhile)
+    states = [off.get("/survey"), off.get("/survey")]
+    assert all(ended(it) is (it["error"] is not None) for it in states)
+    assert ended(states[1])
+
+
 def test_what_is_not_wanted_is_forgotten(off):
     off.post("/survey/start", {"port": CAR, "engine": False})
     wait(off, step_is("codes"))

@@ -121,18 +121,21 @@ class InstrumentReader:
         )
         self._recent: deque[_Message] = deque(maxlen=_KEPT)
         self._lock = threading.Lock()
-        self.state: InstrumentState | None = None
-        """The state reported last; None before the first."""
+        self.latest: InstrumentChange | None = None
+        """The change reported last, with the state now; None before the first."""
         self.damaged: int = 0
         """The messages that gave no value, since the session began."""
-        self.reason: Text | None = None
-        """Why it is lost or silent; None: it is not."""
         self._retry, self._due = _FIRST_RETRY, float("-inf")
         self._opened = 0.0
         self._valued = 0.0  # when it last gave a value, or was connected
         self._why: Text | None = None  # the reason of the last bytes without a value
         self._is_open = False
         self._closed = False
+
+    @property
+    def state(self) -> InstrumentState | None:
+        """The state reported last; None before the first."""
+        return self.latest.state if self.latest else None
 
     def poll(self) -> bool:
         """Take what has come; return whether it is connected."""
@@ -221,8 +224,8 @@ class InstrumentReader:
             self._recent.append(message)
 
     def _change(self, time: float, state: InstrumentState, reason: Text | None = None) -> None:
-        self.state, self.reason = state, reason
-        self._report(InstrumentChange(time, self.chosen, state, reason))
+        self.latest = InstrumentChange(time, self.chosen, state, reason)
+        self._report(self.latest)
 
 
 _NOTHING: Final = Text("nothing comes", "ничего не приходит")

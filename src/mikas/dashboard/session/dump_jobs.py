@@ -214,13 +214,13 @@ class DumpJobs:
             await self._read_all(job)
             job.phase = "done"
         except MikasError as error:
-            job.phase, job.error = "failed", error
+            job.error, job.phase = error, "failed"
         except OSError as error:
-            job.phase, job.error = "failed", unusable_file(job.file, error)
+            job.error, job.phase = unusable_file(job.file, error), "failed"
         except Exception as bug:  # any: the dump shows it and can be resumed
             port = self._connection.port
-            job.phase = "failed"
             job.error = logged(f"a bug in the dump {job.id}", bug, port.url if port else "")
+            job.phase = "failed"
 
     async def _read_all(self, job: DumpJob) -> None:
         failures = 0

@@ -174,7 +174,7 @@ class SamplingThread(threading.Thread):
             self._stoppable.close()
             if not self._stoppable.stopping.is_set():
                 self.at_end()
-                self.ended, self.failure = True, error
+                self.failure, self.ended = error, True  # read in the other order
                 try:
                     self._on_end(self, error)
                 except Exception as bug:  # any: `failure` says why sampling ended

@@ -180,9 +180,9 @@ def _now(
 ) -> InstrumentNow:
     state: NowState = "off" if reader is None else "connecting"
     why = _UNKNOWN
-    if reader is not None and reader.state is not None:
-        state, why = reader.state.value, reader.reason or _UNKNOWN
-        if reader.state is InstrumentState.VALUES:
+    if reader is not None and (latest := reader.latest) is not None:
+        state, why = latest.state.value, latest.reason or _UNKNOWN
+        if latest.state is InstrumentState.VALUES:
             state = "values" if any(it.name in fresh for it in chosen.channels) else "stale"
     return InstrumentNow(
         name=chosen.title,

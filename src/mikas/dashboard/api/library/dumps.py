@@ -188,17 +188,19 @@ async def compare(
 def _response(job: DumpJob) -> DumpResponse:
     manifest, speed = job.manifest, job.speed
     left = (job.total - job.done) / speed if speed > 0 else None
+    state, blocks = job.phase, _map(job)
+    error = job.error  # read after the state, and once: in another thread it may change meanwhile
     return made_of(
         DumpResponse,
         job,
         space=manifest.space,
         first=manifest.first,
         last=manifest.last,
-        state=job.phase,
+        state=state,
         speed=round(speed, 1),
         left=None if left is None else round(left, 1),
-        blocks=_map(job),
-        error=body_of(job.error) if job.error else None,
+        blocks=blocks,
+        error=body_of(error) if error else None,
         file=job.file.name,
         differences=manifest.differences,
     )

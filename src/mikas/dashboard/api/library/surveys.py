@@ -236,16 +236,17 @@ def _running(dashboard: Dashboard) -> SurveyRun:
 
 def _state(dashboard: Dashboard) -> SurveyState:
     surveys = dashboard.surveys
-    run, shown = surveys.latest, SurveyProgress()
+    runs, run, shown = surveys.runs, surveys.latest, SurveyProgress()
+    error = surveys.error  # read after `runs`: in another thread the run may end meanwhile
     shared: dict[str, object] = {
         "port": None,
         "step": None,
         "consents": None,
         "virtual": surveys.virtual,
-        "error": body_of(surveys.error) if surveys.error else None,
+        "error": body_of(error) if error else None,
         "saved": _saved(surveys.saved()),
     }
-    if surveys.runs and run is not None:
+    if runs and run is not None:
         shown = run.shown
         shared |= {"port": public_port(run.url), "step": _step(shown), "consents": run.options}
         return made_of(SurveyState, shown, **shared, phase="running")
