@@ -23,6 +23,7 @@ from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import cycle
 from pathlib import Path
 
 PORT = 8000
@@ -102,6 +103,7 @@ class Computer:
         self.root = Path(f"/proc/{pid}/root")
         """Its files, from outside."""
         self._plugged: dict[int, Adapter] = {}
+        self._numbers = cycle(range(512))
         self._messages = self._inside(
             lambda: socket.socket(socket.AF_NETLINK, socket.SOCK_RAW, _KOBJECT_UEVENT)
         )
@@ -148,8 +150,12 @@ class Computer:
             managed.write_text(policy, "ascii")
 
     def plug(self, adapter: Adapter, pty: str) -> int:
-        """Plug `adapter` in, whose line is `pty`; return the number of its ttyUSB."""
-        number = next(it for it in range(512) if it not in self._plugged)
+        """Plug `adapter` in, whose line is `pty`; return the number of its ttyUSB.
+
+        Another one each time: a browser that a busy machine lets hear of the unplugging late would
+        find the new adapter at the old one's name, open it, and then hear that it is gone.
+        """
+        number = next(it for it in self._numbers if it not in self._plugged)
         device = f"devices/pci0000:00/usb1/1-{number + 1}/1-{number + 1}:1.0"
         name = f"ttyUSB{number}"
         folder = self.root / "sys" / device / name / "tty" / name

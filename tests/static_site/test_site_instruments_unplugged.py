@@ -162,16 +162,16 @@ def rate_and_lost(path, sent):
 
 def connections(path, name):
     """The bytes of each connection of an instrument, the first one made before the recording; and
-    how many were lost.
+    why each was lost.
     """
-    found, losses = [b""], 0
+    found, losses = [b""], []
     for packet in instrument_packets(path):
         if label_and_name(packet.source) != ("", name):
             continue
         if not packet.data and packet.comment == CONNECTED:
             found.append(b"")
-        elif loss_of(packet) is not None:
-            losses += 1
+        elif (loss := loss_of(packet)) is not None:
+            losses.append(loss)
         elif packet.data:
             found[-1] += packet.data
     return found, losses
@@ -211,7 +211,8 @@ def test_one_pulled_out_at_random_costs_the_unit_nothing(tab, sent_by_unit, inst
     assert lost_beside <= lost + 0.01
     for name, instrument in instruments.items():
         found, losses = connections(path, name)
-        assert (losses, len(found)) == (len(instrument.pulled), len(ends[name]))
+        assert len(losses) == len(instrument.pulled), losses
+        assert len(found) == len(ends[name])
         for data, end in zip(found, ends[name], strict=True):
             values = [float(it) for it in PATTERNS[name].findall(data)]
             first = instrument.sent.index(values[0])

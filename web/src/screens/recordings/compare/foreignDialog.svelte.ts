@@ -16,7 +16,7 @@ export interface TextSettings {
 const RECOGNISED: TextSettings = { encoding: null, delimiter: null, decimal: null, names_line: null, units_line: null };
 /** The longest file that the program reads. */
 export const MOST_BYTES = 64 * 2 ** 20;
-/** A file with more columns has none chosen beyond these: they would not be told apart in a pane. */
+/** A file with more columns has none chosen beyond these: their lines in a pane would look alike. */
 const CHOSEN_AT_FIRST = 6;
 
 export class ForeignDialog {
