@@ -36,6 +36,14 @@ def test_a_survey_without_the_engine_in_russian(mikas):
     assert "эхо адаптера\tD1\tнайдено\tадаптер возвращает посланное" in ran.out
     assert "не спрошено\tобследование сделано без пуска двигателя" in ran.out
     assert "unit.zip: найдено ответов" in ran.err
+    assert "файл не отправляйте" in ran.err
+
+
+def test_the_file_of_a_real_unit_is_asked_for(mikas, monkeypatch):
+    monkeypatch.setattr("mikas.survey.survey.NO_UNITS", frozenset())
+    ran = survey(mikas, "--yes", "--without-engine")
+    assert "Send the file with an issue" in ran.err
+    assert "don't send" not in ran.err
 
 
 def test_it_asks_for_consents_figures_and_whether_to_save(mikas):

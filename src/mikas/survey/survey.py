@@ -220,6 +220,11 @@ class Survey:
         return self._measured
 
     @property
+    def is_virtual(self) -> bool:
+        """Whether no real unit is known to be at the port: nothing to be sent."""
+        return self._measured["port"] in NO_UNITS
+
+    @property
     def seconds(self) -> dict[str, float]:
         """The duration of each step that was done, without waiting for the car."""
         return dict(self._seconds)

@@ -122,7 +122,7 @@ def survey(
                 change=_WRITING.filled(out=out), how=_KEPT.filled(folder=run.folder.path)
             )
         run.save(overwrite=overwrite)
-    _end(context, out, answers, run.seconds)
+    _end(context, out, answers, run)
 
 
 def _check_name(out: Path) -> None:
@@ -213,9 +213,8 @@ def _show(context: CommandContext, answers: Sequence[SurveyAnswer]) -> None:
     )
 
 
-def _end(
-    context: CommandContext, out: Path, answers: Sequence[SurveyAnswer], seconds: dict[str, float]
-) -> None:
+def _end(context: CommandContext, out: Path, answers: Sequence[SurveyAnswer], run: Survey) -> None:
+    seconds = run.seconds
     if context.output.json:
         context.output.data(
             {
@@ -237,14 +236,21 @@ def _end(
     found = sum(each.verdict.value == "found" for each in answers)
     minutes = sum(seconds.values()) / 60
     context.say(
-        f"{out}: {found} of {len(answers)} questions found, {minutes:.1f} min of measuring. Send "
-        "the file with an issue at github.com/mikas-diagnostics/mikas: thank you.",
-        f"{out}: найдено ответов {found} из {len(answers)}, измерения заняли {minutes:.1f} мин. "
-        "Приложите файл к обращению на github.com/mikas-diagnostics/mikas: спасибо.",
+        f"{out}: {found} of {len(answers)} questions found, {minutes:.1f} min of measuring.",
+        f"{out}: найдено ответов {found} из {len(answers)}, измерения заняли {minutes:.1f} мин.",
     )
+    context.say(*(_FOR_TRYING if run.is_virtual else _SEND))
 
 
 _CHANGE = Text("survey the unit", "обследовать блок")
+_SEND = Text(
+    "Send the file with an issue at github.com/mikas-diagnostics/mikas: thank you.",
+    "Приложите файл к обращению на github.com/mikas-diagnostics/mikas: спасибо.",
+)
+_FOR_TRYING = Text(
+    "This is a virtual unit, for trying only (a pty counts as one, too): don't send the file.",
+    "Это виртуальный блок, только для пробы (им считается и pty): файл не отправляйте.",
+)
 _NO_TERMINAL = Text(
     "There is no terminal to ask on; --yes confirms in advance.",
     "Нет терминала, чтобы спросить; подтвердить заранее можно ключом --yes.",
