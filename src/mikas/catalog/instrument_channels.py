@@ -10,6 +10,16 @@ from mikas.catalog.limits import AlarmLimits, Confidence
 from mikas.i18n import Text
 
 
+def with_label(name: str, label: str) -> str:
+    """Return a channel's name with the label of its instrument: `LAMBDA_LEFT`."""
+    return f"{name}_{label.upper()}"
+
+
+def is_labelled(channel: str, name: str) -> bool:
+    """Return whether `channel` is `name`, or that with a label."""
+    return channel == name or channel.startswith(f"{name}_")
+
+
 @dataclass(frozen=True, slots=True)
 class InstrumentChannel:
     """A number that an instrument gives. `range`: a value outside of it is damage of the line.

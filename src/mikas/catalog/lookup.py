@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 from mikas.catalog.conversion import Conversion
-from mikas.catalog.instrument_channels import InstrumentChannel
+from mikas.catalog.instrument_channels import InstrumentChannel, is_labelled
 from mikas.catalog.model import Derived, Erratum, Fault, Model, Parameter, in_order
 from mikas.catalog.synonyms import Named, named, normal, synonyms_of
 from mikas.errors import UnknownParameter
@@ -139,7 +139,7 @@ class Catalog:
         """
         if found := self.channels.get(name) or self.instruments.get(name):
             return found
-        alike = [own for own in self.instruments if name.startswith(f"{own}_")]
+        alike = [own for own in self.instruments if is_labelled(name, own)]
         return self.instruments[max(alike, key=len)] if alike else None
 
     def with_beside(self, channels: Iterable[InstrumentChannel]) -> Catalog:

@@ -15,6 +15,7 @@ import numpy as np
 
 from mikas.cancellation import check_cancelled
 from mikas.catalog.ignition_only import RUNNING
+from mikas.catalog.instrument_channels import is_labelled
 from mikas.drives.curves import SampledCurve, sampled_curve
 from mikas.drives.measuring import DriveCurves
 from mikas.drives.trip import Trip
@@ -129,7 +130,7 @@ def trips_of_live(rows: Rows, since: float = -inf) -> list[Trip]:
 def column_of(rows: Rows, name: str) -> str | None:
     """Return the column of an instrument's channel, the first one with values of several labels."""
     for column, values in rows.values.items():
-        if (column == name or column.startswith(f"{name}_")) and np.isfinite(values).any():
+        if is_labelled(column, name) and np.isfinite(values).any():
             return column
     return None
 
@@ -200,7 +201,7 @@ def instrument_curve(recording: Recording, session: int, name: str) -> SampledCu
     Of several labelled ones the first that has values counts.
     """
     for channel in recording.instrument_channels:
-        if channel != name and not channel.startswith(f"{name}_"):
+        if not is_labelled(channel, name):
             continue
         found = recording.instrument_samples(channel, session)
         if found is not None and len(found.times):

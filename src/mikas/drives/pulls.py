@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from mikas.catalog.ignition_only import RUNNING
+from mikas.catalog.instrument_channels import is_labelled
 from mikas.drives.curves import PAUSE, SampledCurve, sampled_curve
 from mikas.drives.finding import SPEED, instrument_curve, session_rows
 from mikas.errors import usage_error
@@ -174,7 +175,7 @@ def pulls(recording: Recording, settings: PullSettings) -> list[Pull]:
 
 def has_speed(recording: Recording) -> bool:
     """Return whether an instrument measured the speed of the car."""
-    return any(each.startswith(SPEED) for each in recording.instrument_channels)
+    return any(is_labelled(each, SPEED) for each in recording.instrument_channels)
 
 
 def _stretches(rpm: SampledCurve, throttle: SampledCurve | None) -> Iterator[tuple[int, int]]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from mikas.catalog.instrument_channels import is_labelled
 from mikas.drives.curves import PAUSE, SampledCurve, sampled_curve
 from mikas.drives.finding import SPEED, column_of, instrument_curve
 from mikas.recording.exchanges.arrays import Floats, Mask
@@ -124,7 +125,7 @@ def stretches_of(
 def _places(recording: Recording, session: int) -> tuple[SampledCurve, SampledCurve] | None:
     """Return both coordinates of the first receiver that gives them together."""
     for channel in recording.instrument_channels:
-        if channel != LATITUDE and not channel.startswith(f"{LATITUDE}_"):
+        if not is_labelled(channel, LATITUDE):
             continue
         pair = (channel, f"{LONGITUDE}{channel[len(LATITUDE) :]}")
         both = [recording.instrument_samples(name, session) for name in pair]

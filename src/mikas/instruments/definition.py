@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Final
 
-from mikas.catalog.instrument_channels import InstrumentChannel
+from mikas.catalog.instrument_channels import InstrumentChannel, with_label
 from mikas.catalog.limits import Confidence
 from mikas.i18n import Text
 
@@ -50,7 +50,7 @@ class InstrumentDefinition:
         channels = tuple(
             replace(
                 each,
-                name=f"{each.name}_{label.upper()}",
+                name=with_label(each.name, label),
                 text=Text(f"{each.text.en}, {label}", f"{each.text.ru}, {label}"),
                 short=Text(f"{each.short.en}, {label}", f"{each.short.ru}, {label}"),
             )

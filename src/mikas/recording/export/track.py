@@ -17,6 +17,7 @@ from typing import Final
 
 import numpy as np
 
+from mikas.catalog.instrument_channels import is_labelled
 from mikas.errors import ExportError
 from mikas.i18n import Text
 from mikas.recording.export.sheet import Column, Moment, Sheet
@@ -159,7 +160,7 @@ class _Filled:
 def _label_of(names: Sequence[str]) -> str | None:
     """Return the label of the first receiver with both coordinates; empty: without one."""
     for name in names:
-        if name == LATITUDE or name.startswith(f"{LATITUDE}_"):
+        if is_labelled(name, LATITUDE):
             label = name[len(LATITUDE) :]
             if f"{LONGITUDE}{label}" in names:
                 return label
