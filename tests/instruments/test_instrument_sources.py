@@ -5,14 +5,14 @@ from __future__ import annotations
 import pytest
 
 from mikas.catalog import shipped
-from mikas.errors import AnotherAdapter, LinkLost, PortNotFound
+from mikas.errors import AnotherAdapter, LinkLost, PortNotFound, ReadingSuspended
 from mikas.i18n import Text
 from mikas.instruments.choosing import chosen_instruments
-from mikas.instruments.reading import InstrumentChange, InstrumentReader
+from mikas.instruments.reading import InstrumentChange, InstrumentReader, InstrumentState
 from mikas.instruments.sources import LinkSource
 from mikas.link import Chunk, Link
 from mikas.link.ports import Port
-from mikas.recording.capture.instruments import CONNECTED, instrument_port, loss
+from mikas.recording.capture.instruments import CONNECTED, LOST, instrument_port, loss
 
 GONE = Text("it is gone", "его нет")
 
@@ -173,6 +173,55 @@ def test_a_value_has_the_time_of_its_own_last_byte_at_the_ports_speed(
     assert times == pytest.approx([100.0 - behind * byte_time] * 2)
     port = instrument_port(chosen.definition, chosen.url)
     assert 10 / port.speed == pytest.approx(byte_time)
+
+
+class Stopped(OneChunk):
+    """A port whose reader is stopped for a while in the middle of a message. Keeps what is
+    recorded.
+    """
+
+    def __init__(self) -> None:
+        super().__init__(b"")
+        self.coming = [b"\r\n14.7\r\n1", ReadingSuspended(seconds=0.6), b"2.9\r\n13.1\r\n"]
+        self.opened, self.recorded = 0, list[tuple[bytes, str]]()
+
+    def open(self) -> None:
+        self.opened += 1
+
+    def read(self) -> list[Chunk]:
+        came = self.coming.pop(0)
+        if isinstance(came, bytes):
+            return [Chunk(came, 100.0)]
+        raise came
+
+    def record_instrument(self, number: int, data: bytes, time: float, comment: str = "") -> None:
+        self.recorded.append((data, comment.partition("\n")[0]))
+
+
+def test_a_reader_that_was_stopped_loses_bytes_and_no_connection() -> None:
+    (chosen,) = chosen_instruments(["aem=/dev/meter"], shipped())
+    source, changes = Stopped(), list[InstrumentChange]()
+    reader = InstrumentReader(
+        0,
+        chosen,
+        source,
+        source,
+        clock=lambda: 100.0,
+        report=changes.append,
+        comments=(CONNECTED, loss),
+    )
+    assert reader.poll()
+    assert reader.fresh(100.0)["AFR"].value == 14.7
+    assert reader.poll()
+    assert reader.fresh(100.0) == {}
+    assert reader.poll()
+    assert reader.fresh(100.0)["AFR"].value == 13.1  # and 12.9 was never sent
+    assert source.opened == 1
+    assert [each.state for each in changes] == [InstrumentState.CONNECTED, InstrumentState.VALUES]
+    before, after = b"\r\n14.7\r\n1", b"2.9\r\n13.1\r\n"
+    assert source.recorded == [
+        (b"", CONNECTED), (before, ""), (b"", LOST), (b"", CONNECTED), (after, ""),
+    ]  # fmt: skip
 
 
 class Flapping(OneChunk):

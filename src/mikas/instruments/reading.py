@@ -4,7 +4,8 @@
                      │ decoder ──► the last values, with their times
                      └ changes: connected, silent, giving values, lost
 
-A loss is tried again after a second, then two, four, five. Nothing here knows the unit's line.
+A loss is tried again after a second, then two, four, five. A program that did not run for a while
+loses what came meanwhile, not the connection. Nothing here knows the unit's line.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from enum import StrEnum
 from typing import Final, NamedTuple, Protocol
 
 from mikas.catalog.instrument_channels import InstrumentChannel
-from mikas.errors import MikasError
+from mikas.errors import MikasError, ReadingSuspended
 from mikas.i18n import Text
 from mikas.instruments.choosing import ChosenInstrument, line_baud
 from mikas.instruments.decoding import decoder_of
@@ -112,7 +113,7 @@ class InstrumentReader:
         self.chosen = chosen
         self._number, self._source, self._sink, self._report = number, source, sink, report
         self._clock = clock
-        self._begun, self._lost_because = comments
+        self._begin_comment, self._loss_comment = comments
         definition = chosen.definition
         plain = (channel.name for channel in definition.channels)
         self._channels = dict(zip(plain, chosen.channels, strict=True))
@@ -146,14 +147,17 @@ class InstrumentReader:
                 self._source.open()
                 self._is_open = True
                 now = self._valued = self._opened = self._clock()
-                self._decoder.drop()
-                self._sink.record_instrument(self._number, b"", now, self._begun)
+                self._begin(now)
                 self._change(now, InstrumentState.CONNECTED)
             for data, time in self._source.read():
                 self._take(data, time)
         except MikasError as error:
-            self._lose(self._clock(), error)
-            return False
+            now = self._clock()
+            if not (self._is_open and isinstance(error, ReadingSuspended)):
+                self._lose(now, error)
+                return False
+            self._leave_out(now, error)
+            self._begin(now)
         now = self._clock()
         limit = max(_SILENT, 2 * self.chosen.definition.stale)
         if now - self._valued > limit and self.state is not InstrumentState.SILENT:
@@ -187,6 +191,15 @@ class InstrumentReader:
         self._closed = True
         self._source.close()
 
+    def _begin(self, now: float) -> None:
+        self._decoder.drop()
+        self._sink.record_instrument(self._number, b"", now, self._begin_comment)
+
+    def _leave_out(self, now: float, error: MikasError) -> None:
+        """What comes from here on follows nothing of what came before."""
+        self._keep(_Message(now, None))
+        self._sink.record_instrument(self._number, b"", now, self._loss_comment(error.reason))
+
     def _take(self, data: bytes, time: float) -> None:
         self._sink.record_instrument(self._number, data, time)
         for event, at in self._decoder.feed(data, time):
@@ -208,14 +221,12 @@ class InstrumentReader:
         if self._closed:  # the session ends, which is no loss
             return
         self._source.reset()
-        self._keep(_Message(now, None))
+        if was_open:
+            self._leave_out(now, error)
         if was_open and self._valued > self._opened and now - self._opened > _LASTING:
             self._retry = _FIRST_RETRY
         self._due = now + self._retry
         self._retry = min(2 * self._retry, _LONGEST_RETRY)
-        if was_open:
-            comment = self._lost_because(error.reason)
-            self._sink.record_instrument(self._number, b"", now, comment)
         if self.state is not InstrumentState.LOST:
             self._change(now, InstrumentState.LOST, error.reason)
 

@@ -67,10 +67,9 @@ class LinkSource:
 
     def open(self) -> None:
         """As `InstrumentSource.open`."""
-        link = self._open()
+        self._link = link = self._open()
         if self._is_gpsd:
             link.write(WATCH)
-        self._link = link
         if self._closed:
             self.close()
 
