@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from mikas.catalog import Level, load, shipped
-from mikas.catalog.instrument_channels import InstrumentChannel
+from mikas.catalog.instrument_channels import InstrumentChannel, is_labelled, with_label
 from mikas.catalog.own.changes import reset_keys, set_keys
 from mikas.catalog.own.file import OwnCatalog
 from mikas.errors import UnknownParameter
@@ -33,7 +33,7 @@ def test_a_channel_takes_what_lies_in_its_range(given, value, taken) -> None:
     ("name", "found"),
     [
         ("LAMBDA", "LAMBDA"),
-        ("LAMBDA_LEFT", "LAMBDA"),
+        (with_label("LAMBDA", "left"), "LAMBDA"),
         ("GPS_SPEED_2", "GPS_SPEED"),
         ("FREQ", "FREQ"),
         ("LAMBDALEFT", None),
@@ -43,6 +43,12 @@ def test_a_channel_takes_what_lies_in_its_range(given, value, taken) -> None:
 def test_a_label_at_the_end_of_its_name_describes_it_all_the_same(name, found) -> None:
     channel = shipped().described(name)
     assert (channel.name if channel else None) == found
+
+
+def test_a_name_that_only_begins_alike_is_another_one() -> None:
+    assert is_labelled("GPS_SPEED", "GPS_SPEED")
+    assert is_labelled(with_label("GPS_SPEED", "2"), "GPS_SPEED")
+    assert not is_labelled("GPS_SPEEDO", "GPS_SPEED")
 
 
 def test_its_limits_are_set_in_the_own_catalog(tmp_path) -> None:
