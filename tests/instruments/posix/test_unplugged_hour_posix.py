@@ -6,6 +6,7 @@ import os
 import pty
 import tty
 from pathlib import Path
+from typing import cast
 
 import pytest
 
@@ -13,12 +14,23 @@ import mikas
 from mikas.instruments import sources
 from mikas.instruments.choosing import ChosenInstrument
 from mikas.instruments.sources import InstrumentSource, LinkSource
-from mikas.link.base import Chunk
+from mikas.link import Link, open_link
+from mikas.link.base import Chunk, LinkWrapper
+from mikas.link.suspension import SuspensionGuard
 from unplugged_instruments import HALF, Outages, Unpluggable, drive_with_outages
 
 pytestmark = pytest.mark.posix
 
 UNTIL_NOTICED = 1000  # reads; the simulated hour does not go on meanwhile
+
+
+def at_any_pace(url: str) -> Link:
+    """Open the port without the guard of its reader's pace: how long a busy machine takes for the
+    simulated hour between two reads says nothing of the bytes.
+    """
+    guard = cast("LinkWrapper", open_link(url)).link
+    assert isinstance(guard, SuspensionGuard)
+    return guard.link
 
 
 class Wired:
@@ -30,7 +42,8 @@ class Wired:
         self, inner: InstrumentSource, chosen: ChosenInstrument, outages: Outages, port: Path
     ) -> None:
         self._inner, self._port, self.outages = inner, port, outages
-        self._link = LinkSource(ChosenInstrument(chosen.definition, str(port)), outages.now)
+        own = ChosenInstrument(chosen.definition, str(port))
+        self._link = LinkSource(own, outages.now, at_any_pace)
         self._master: int | None = None
         self.given: list[Chunk] = []
         self.sent = b""
